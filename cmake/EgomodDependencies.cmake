@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: Apache-2.0
+# Everything comes from Debian 12; tools/install-dependencies brings it.
+find_package(Threads REQUIRED)
+find_package(PkgConfig REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(PNG REQUIRED)
+find_package(JPEG REQUIRED)
+find_package(Boost 1.74 REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(fmt REQUIRED)
+find_package(tomlplusplus REQUIRED)
+find_package(yaml-cpp REQUIRED)
+pkg_check_modules(CLI11 REQUIRED IMPORTED_TARGET CLI11)
+find_package(LCM REQUIRED)
+
+if(EGOMOD_BUILD_TESTS)
+  find_package(GTest REQUIRED)
+  find_package(benchmark REQUIRED)
+  include(GoogleTest)
+endif()
+include(EgomodOpenCV)
