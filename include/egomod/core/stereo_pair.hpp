@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "egomod/core/calibration.hpp"
+#include "egomod/core/image.hpp"
+#include "egomod/core/time.hpp"
+
+namespace egomod {
+
+enum class PairStatus : std::uint8_t {
+  kOk,
+  kSkipped,   // dropped before features by capture.max_rate_hz; images may be empty
+  kRejected,  // no right image within the skew limit, or an image that cannot be used
+};
+
+// Left and right image of one instant, rectified. Every left image becomes one of these, also when
+// it cannot be used, so that subscribers and poses.txt can count.
+struct StereoPair {
+  std::uint64_t sequence = 0;  // zero-based index of the left image
+  Nanoseconds exposure{0};     // middle of the left exposure
+  Nanoseconds right_exposure{0};
+  Nanoseconds epoch_offset{
+      0};                  // exposure + epoch_offset: since the epoch; 0 in replays and on the bus
+  Nanoseconds arrival{0};  // host monotonic clock, when the pair was complete
+  PairStatus status = PairStatus::kOk;
+  bool discontinuity =
+      false;  // the stream broke before this pair (clock step, camera lost): re-seed
+  Calibration calibration;
+  Image left;
+  Image right;
+
+  [[nodiscard]] Nanoseconds skew() const { return right_exposure - exposure; }
+  // The pair's time on the bus, microseconds.
+  [[nodiscard]] std::int64_t utime_us() const {
+    return std::chrono::duration_cast<std::chrono::microseconds>(exposure + epoch_offset).count();
+  }
+};
+
+}  // namespace egomod
