@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "egomod/core/image.hpp"
+#include "egomod/features/image_point.hpp"
+
+namespace egomod {
+
+// The two kinds that are never matched with each other.
+enum class CornerKind : std::uint8_t {
+  kDark,
+  kBright
+};  // darker or brighter than its surroundings
+
+struct Corner {
+  PixelPosition position;
+  CornerKind kind = CornerKind::kDark;
+  int rank = 0;              // 0: the best new corner of its bucket
+  float min_eigenvalue = 0;  // mean structure tensor of 7x7 gradients (grey/px)^2, noise removed
+};
+
+struct CornerConfig {
+  int bucket_px = 40;           // side of a bucket
+  int corners_per_bucket = 6;   // old and new ones together
+  int min_distance_px = 7;      // between any two
+  int border_px = 8;            // at least kCornerMargin_px
+  int min_contrast = 3;         // grey levels between a corner and its surroundings
+  float min_eigenvalue = 0.7F;  // (grey/px)^2
+};
+
+inline constexpr int kCornerMargin_px = 5;  // what the window and its gradients reach
+
+// Finds new corners where tracks are missing: segment test on a circle of radius 3 (E. Rosten,
+// T. Drummond, Machine learning for high-speed corner detection, ECCV 2006) in the buckets with
+// room, then the smaller eigenvalue of the structure tensor (J. Shi, C. Tomasi, Good features to
+// track, CVPR 1994) at the local maxima. The thresholds rise with the noise measured in the image,
+// which is taken out of the structure tensor: noise feigns texture. Threads: one caller.
+class CornerDetector {
+ public:
+  explicit CornerDetector(const CornerConfig& config);
+
+  // Refills `corners` with new ones for the buckets that `occupied` (existing tracks) leaves room
+  // in. Order: by rank, then by falling min_eigenvalue, so that a caller who stops anywhere has an
+  // even coverage. `room_factor` times as many as there is room for, since some will not find a
+  // partner.
+  // A bucket that could not be filled and has lost nothing since is tried again only every
+  // kPatience-th call, unless there are no tracks at all.
+  void detect(const ImageView& image, std::span<const ImagePoint> occupied, float room_factor,
+              std::vector<Corner>& corners);
+
+  static constexpr int kPatience = 4;
+
+  // Standard deviation of the grey values that the last call took for noise.
+  [[nodiscard]] float noise_sigma() const { return noise_sigma_; }
+
+ private:
+  struct Bucket {
+    int u0 = 0, v0 = 0, u1 = 0, v1 = 0;
+    int wanted = 0;
+    int wanted_before = 0;
+  };
+  struct Hit {
+    Corner corner;
+    int contrast = 0;
+  };
+
+  void lay_out(const ImageView& image);
+  void occupy(std::span<const ImagePoint> points, float room_factor);
+  [[nodiscard]] Bucket* bucket_at(int u, int v);
+  void spare_the_hopeless();
+  void block(int u, int v);
+  void search(const ImageView& image, const Bucket& bucket, std::vector<Corner>& corners);
+  void collect_hits(const Bucket& bucket);
+  void keep_strongest_hits(int wanted);
+  void score_hits(const ImageView& image);
+  void select(int wanted, std::vector<Corner>& corners);
+  [[nodiscard]] std::ptrdiff_t bucket_stride() const { return 2 * config_.bucket_px + 64; }
+
+  CornerConfig config_;
+  float noise_sigma_ = 0.0F;
+  unsigned calls_ = 0;
+  int width_px_ = 0;
+  int height_px_ = 0;
+  int columns_ = 0;
+  std::vector<Bucket> buckets_;         // rows of `columns_`
+  std::vector<std::uint8_t> blocked_;   // pixels too near to a track
+  std::vector<std::uint8_t> contrast_;  // segment test of one bucket, with a margin of one pixel
+  std::vector<std::uint8_t> bright_;
+  std::vector<std::uint8_t> peaks_;  // one row
+  std::vector<Hit> hits_;
+};
+
+}  // namespace egomod

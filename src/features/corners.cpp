@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "egomod/features/corners.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <tuple>
+
+#include "image_kernels.hpp"
+#include "noise.hpp"
+
+namespace egomod {
+namespace {
+
+constexpr int kWindowArea_px = 49;
+constexpr float kSobelGain = 8.0F;
+constexpr float kSobelNoise = 12.0F;  // sum of the mask's squares
+// In units of the noise's own share of the structure tensor: what is left of it by chance.
+constexpr float kNoiseMargin = 2.0F;
+constexpr float kContrastPerSigma = 2.0F;
+// Noise mask's energy over gradient energy: 1.5 in white noise whatever its law, hardly 0.3 at a
+// corner that a lens has drawn.
+constexpr float kMaxNoiseShare = 0.6F;
+constexpr int kMinScoredHits = 16;
+constexpr int kScoredHitsPerCorner = 4;
+
+float smaller_eigenvalue(float xx, float xy, float yy) {
+  return 0.5F * (xx + yy - std::sqrt((xx - yy) * (xx - yy) + 4.0F * xy * xy));
+}
+
+bool looks_like_noise(const WindowSums& s) {
+  return static_cast<float>(s.noise) > kMaxNoiseShare * static_cast<float>(s.xx + s.yy);
+}
+
+float min_eigenvalue(const WindowSums& s) {
+  constexpr float scale = 1.0F / (static_cast<float>(kWindowArea_px) * kSobelGain * kSobelGain);
+  return scale * smaller_eigenvalue(static_cast<float>(s.xx), static_cast<float>(s.xy),
+                                    static_cast<float>(s.yy));
+}
+
+float noise_eigenvalue(float sigma) {
+  return sigma * sigma * kSobelNoise / (kSobelGain * kSobelGain);
+}
+
+bool eight_are_zero(const std::uint8_t* p) {
+  std::uint64_t bytes;
+  std::memcpy(&bytes, p, sizeof(bytes));
+  return bytes == 0;
+}
+
+}  // namespace
+
+CornerDetector::CornerDetector(const CornerConfig& config) : config_(config) {
+  config_.border_px = std::max(config_.border_px, kCornerMargin_px + 1);
+  config_.bucket_px = std::clamp(config_.bucket_px, 8, 1024);
+  hits_.reserve(static_cast<std::size_t>(config_.bucket_px * config_.bucket_px));
+}
+
+void CornerDetector::lay_out(const ImageView& image) {
+  if (image.width_px == width_px_ && image.height_px == height_px_) return;
+  width_px_ = image.width_px;
+  height_px_ = image.height_px;
+  buckets_.clear();
+  const int border = config_.border_px;
+  const int width = width_px_ - 2 * border, height = height_px_ - 2 * border;
+  if (width <= 0 || height <= 0) return;
+  columns_ = std::max(1, (width + config_.bucket_px / 2) / config_.bucket_px);
+  const int rows = std::max(1, (height + config_.bucket_px / 2) / config_.bucket_px);
+  for (int r = 0; r < rows; ++r)
+    for (int c = 0; c < columns_; ++c)
+      buckets_.push_back({.u0 = border + width * c / columns_,
+                          .v0 = border + height * r / rows,
+                          .u1 = border + width * (c + 1) / columns_,
+                          .v1 = border + height * (r + 1) / rows});
+  const auto pixels = static_cast<std::size_t>(width_px_) * static_cast<std::size_t>(height_px_);
+  blocked_.resize(pixels + kKernelBlock);
+  const auto bucket = static_cast<std::size_t>(bucket_stride() * (3 * config_.bucket_px + 2));
+  contrast_.resize(bucket);
+  bright_.resize(bucket);
+  peaks_.resize(static_cast<std::size_t>(bucket_stride()));
+}
+
+void CornerDetector::block(int u, int v) {
+  const int r = config_.min_distance_px - 1;
+  for (int y = std::max(v - r, 0); y <= std::min(v + r, height_px_ - 1); ++y) {
+    const int reach =
+        static_cast<int>(std::sqrt(static_cast<float>(r * (r + 1) - (y - v) * (y - v) + r)));
+    const int first = std::max(u - reach, 0), last = std::min(u + reach, width_px_ - 1);
+    if (first > last) continue;
+    std::uint8_t* const row = blocked_.data() + static_cast<std::ptrdiff_t>(y) * width_px_;
+    std::fill(row + first, row + last + 1, std::uint8_t{1});
+  }
+}
+
+// Inverts u0 = border + floor(width * c / columns).
+CornerDetector::Bucket* CornerDetector::bucket_at(int u, int v) {
+  const int width = width_px_ - 2 * config_.border_px, height = height_px_ - 2 * config_.border_px;
+  const int x = u - config_.border_px, y = v - config_.border_px;
+  if (x < 0 || y < 0 || x >= width || y >= height) return nullptr;
+  const int rows = static_cast<int>(buckets_.size()) / columns_;
+  const int c = ((x + 1) * columns_ - 1) / width, r = ((y + 1) * rows - 1) / height;
+  return &buckets_[static_cast<std::size_t>(r * columns_ + c)];
+}
+
+void CornerDetector::occupy(std::span<const ImagePoint> points, float room_factor) {
+  std::fill(blocked_.begin(), blocked_.end(), std::uint8_t{0});
+  for (Bucket& bucket : buckets_) bucket.wanted = config_.corners_per_bucket;
+  for (const ImagePoint& point : points) {
+    const int u = static_cast<int>(std::lround(point.u_px));
+    const int v = static_cast<int>(std::lround(point.v_px));
+    if (u < 0 || v < 0 || u >= width_px_ || v >= height_px_) continue;
+    block(u, v);
+    if (Bucket* bucket = bucket_at(u, v)) --bucket->wanted;
+  }
+  for (Bucket& bucket : buckets_)
+    bucket.wanted =
+        static_cast<int>(std::ceil(room_factor * static_cast<float>(std::max(bucket.wanted, 0))));
+}
+
+void CornerDetector::spare_the_hopeless() {
+  ++calls_;
+  for (std::size_t i = 0; i < buckets_.size(); ++i) {
+    Bucket& bucket = buckets_[i];
+    const bool has_lost_some = bucket.wanted > bucket.wanted_before;
+    bucket.wanted_before = bucket.wanted;
+    if (!has_lost_some && (calls_ + i) % kPatience != 0) bucket.wanted = 0;
+  }
+}
+
+void CornerDetector::collect_hits(const Bucket& bucket) {
+  const ImageKernels kernels = image_kernels();
+  const std::ptrdiff_t stride = bucket_stride();
+  const int width = bucket.u1 - bucket.u0;
+  hits_.clear();
+  for (int v = bucket.v0; v < bucket.v1; ++v) {
+    const std::ptrdiff_t row = (v - bucket.v0 + 1) * stride + 1;
+    const std::uint8_t* const blocked =
+        blocked_.data() + static_cast<std::ptrdiff_t>(v) * width_px_ + bucket.u0;
+    kernels.peaks(contrast_.data() + row, stride, blocked, width, peaks_.data());
+    for (int i = 0; i < width; ++i) {
+      const std::uint8_t* const peak = peaks_.data() + i;
+      if (eight_are_zero(peak)) {
+        i += 7;
+        continue;
+      }
+      if (*peak == 0) continue;
+      const bool bright = bright_[static_cast<std::size_t>(row + i)] != 0;
+      hits_.push_back({.corner = {.position = {bucket.u0 + i, v},
+                                  .kind = bright ? CornerKind::kBright : CornerKind::kDark},
+                       .contrast = *peak});
+    }
+  }
+}
+
+void CornerDetector::keep_strongest_hits(int wanted) {
+  const auto limit =
+      static_cast<std::size_t>(std::max(kMinScoredHits, kScoredHitsPerCorner * wanted));
+  if (hits_.size() <= limit) return;
+  const auto order = [](const Hit& h) {
+    return std::tuple(-h.contrast, h.corner.position.v_px, h.corner.position.u_px);
+  };
+  std::nth_element(hits_.begin(), hits_.begin() + static_cast<std::ptrdiff_t>(limit), hits_.end(),
+                   [&](const Hit& a, const Hit& b) { return order(a) < order(b); });
+  hits_.resize(limit);
+}
+
+void CornerDetector::score_hits(const ImageView& image) {
+  const ImageKernels kernels = image_kernels();
+  const float noise = noise_eigenvalue(noise_sigma_);
+  const float least = std::max(config_.min_eigenvalue, kNoiseMargin * noise);
+  std::erase_if(hits_, [&](Hit& hit) {
+    const PixelPosition p = hit.corner.position;
+    const WindowSums sums = kernels.window_sums(image.row(p.v_px) + p.u_px, image.stride_bytes);
+    hit.corner.min_eigenvalue = min_eigenvalue(sums) - noise;
+    return hit.corner.min_eigenvalue < least || looks_like_noise(sums);
+  });
+}
+
+void CornerDetector::select(int wanted, std::vector<Corner>& corners) {
+  const auto order = [](const Hit& h) {
+    return std::tuple(-h.corner.min_eigenvalue, h.corner.position.v_px, h.corner.position.u_px);
+  };
+  std::sort(hits_.begin(), hits_.end(),
+            [&](const Hit& a, const Hit& b) { return order(a) < order(b); });
+  int rank = 0;
+  for (const Hit& hit : hits_) {
+    if (rank == wanted) return;
+    const PixelPosition p = hit.corner.position;
+    const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(p.v_px) * width_px_ + p.u_px;
+    if (blocked_[static_cast<std::size_t>(at)] != 0) continue;
+    block(p.u_px, p.v_px);
+    corners.push_back(hit.corner);
+    corners.back().rank = rank++;
+  }
+}
+
+void CornerDetector::search(const ImageView& image, const Bucket& bucket,
+                            std::vector<Corner>& corners) {
+  const ImageKernels kernels = image_kernels();
+  const std::ptrdiff_t stride = bucket_stride();
+  const int width = bucket.u1 - bucket.u0 + 2;
+  const int threshold = std::clamp(static_cast<int>(std::lround(kContrastPerSigma * noise_sigma_)),
+                                   config_.min_contrast, 254);
+  for (int v = bucket.v0 - 1; v <= bucket.v1; ++v) {
+    const std::ptrdiff_t row = (v - bucket.v0 + 1) * stride;
+    kernels.segment_contrast(image.row(v) + bucket.u0 - 1, image.stride_bytes, width, threshold,
+                             contrast_.data() + row, bright_.data() + row);
+  }
+  collect_hits(bucket);
+  keep_strongest_hits(bucket.wanted);
+  score_hits(image);
+  select(bucket.wanted, corners);
+}
+
+void CornerDetector::detect(const ImageView& image, std::span<const ImagePoint> occupied,
+                            float room_factor, std::vector<Corner>& corners) {
+  corners.clear();
+  lay_out(image);
+  if (buckets_.empty()) return;
+  occupy(occupied, room_factor);
+  if (!occupied.empty()) spare_the_hopeless();
+  noise_sigma_ = estimate_noise_sigma(image);
+  for (const Bucket& bucket : buckets_)
+    if (bucket.wanted > 0) search(image, bucket, corners);
+  const auto order = [](const Corner& c) {
+    return std::tuple(c.rank, -c.min_eigenvalue, c.position.v_px, c.position.u_px);
+  };
+  std::sort(corners.begin(), corners.end(),
+            [&](const Corner& a, const Corner& b) { return order(a) < order(b); });
+}
+
+}  // namespace egomod

@@ -1,0 +1,3 @@
+// SPDX-License-Identifier: Apache-2.0
+#define EGOMOD_INSTRUCTION_SET x86_64_v4
+#include "patch_kernels.inc"

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "seeding.hpp"
+
+#include <algorithm>
+
+#include "stereo_alignment.hpp"
+
+namespace egomod {
+namespace {
+
+// Corners asked for per free place: some have no partner in the right image.
+constexpr float kRoomFactor = 1.3F;
+// Corners tried for each free track; they come in order of rank, so that stopping keeps coverage.
+constexpr std::size_t kTriesPerPlace = 2;
+
+}  // namespace
+
+Seeding::Seeding(int capacity, const CornerConfig& corners, const DisparityConfig& disparity)
+    : detector_(corners), search_(disparity) {
+  const auto n = 2 * static_cast<std::size_t>(capacity);
+  occupied_.reserve(n);
+  corners_.reserve(n);
+  pixels_.reserve(n);
+  matches_.reserve(n);
+}
+
+void Seeding::seed(const StereoImages& images, TrackStore& store) {
+  if (store.full()) return;
+  occupied_.clear();
+  for (const FollowedPoint& point : store.points()) occupied_.push_back(point.left);
+  detector_.detect(images.left.level(0), occupied_, kRoomFactor, corners_);
+  corners_.resize(std::min(corners_.size(), kTriesPerPlace * store.free_places()));
+  pixels_.clear();
+  for (const Corner& corner : corners_) pixels_.push_back(corner.position);
+  matches_.resize(pixels_.size());
+  search_.search(images.left, images.right, pixels_, matches_);
+  for (std::size_t i = 0; i < corners_.size() && !store.full(); ++i) {
+    if (matches_[i].status != MatchStatus::kFound) continue;
+    const ImagePoint left{static_cast<float>(pixels_[i].u_px), static_cast<float>(pixels_[i].v_px)};
+    const StereoMeasurement found =
+        align_stereo(images, left, {.disparity_px = static_cast<float>(matches_[i].disparity_px)});
+    if (!found.valid || !is_consistent(images, left, found)) continue;
+    store.add(images.left.level(0), pixels_[i], corners_[i].kind).stereo = found;
+  }
+}
+
+}  // namespace egomod

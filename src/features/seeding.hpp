@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "egomod/features/corners.hpp"
+#include "egomod/features/disparity_search.hpp"
+#include "stereo_images.hpp"
+#include "track_store.hpp"
+
+namespace egomod {
+
+// Starts new tracks on corners that have a disparity, where the image lacks tracks.
+// Threads: one caller.
+class Seeding {
+ public:
+  Seeding(int capacity, const CornerConfig& corners, const DisparityConfig& disparity);
+
+  void seed(const StereoImages& images, TrackStore& store);
+
+ private:
+  CornerDetector detector_;
+  DisparitySearch search_;
+  std::vector<ImagePoint> occupied_;
+  std::vector<Corner> corners_;
+  std::vector<PixelPosition> pixels_;
+  std::vector<DisparityMatch> matches_;
+};
+
+}  // namespace egomod

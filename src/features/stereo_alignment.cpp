@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stereo_alignment.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace egomod {
+namespace {
+
+constexpr int kMaxSteps = 10;
+constexpr float kMinNcc = 0.8F;
+constexpr float kMaxLastStep_px = 0.1F;
+constexpr float kMaxConsistency_px = 0.6F;
+constexpr float kMaxClosure_px = 1.0F;
+constexpr float kMinClosureNcc = 0.6F;
+constexpr std::uint32_t kYoungAge = 3;
+constexpr float kMaxSurprise_px = 0.6F;
+constexpr float kMaxNccLoss = 0.05F;
+// Noise of the disparity at infinity may feign a depth below this.
+constexpr float kMinDisparity_px = 0.3F;
+constexpr float kMaxRate_px = 20.0F;
+// The derivative filter passes this share of the grey values' noise variance.
+constexpr float kGradientNoise = 2.0F * (22.0F * 22.0F + 3.0F * 3.0F) / (32.0F * 32.0F);
+
+struct Matrix2 {
+  float a, b, c, d;
+};
+Matrix2 operator*(const Matrix2& l, const Matrix2& r) {
+  return {l.a * r.a + l.b * r.c, l.a * r.b + l.b * r.d, l.c * r.a + l.d * r.c,
+          l.c * r.b + l.d * r.d};
+}
+Matrix2 inverse(const Matrix2& m) {
+  const float k = 1.0F / (m.a * m.d - m.b * m.c);
+  return {m.d * k, -m.b * k, -m.c * k, m.a * k};
+}
+Matrix2 shape(const AffineWarp& w) { return {w.a, w.b, w.c, w.d}; }
+// Left offsets to right offsets.
+Matrix2 shape(const StereoMeasurement& s) { return {1.0F - s.slope_u, -s.slope_v, 0.0F, 1.0F}; }
+
+float variance(const PlaneTemplate& patch, float ncc) {
+  const float residual = 2.0F * std::max(1.0F - ncc, 0.0F) / (patch_effective_samples() - 5.0F);
+  const float texture = std::max(patch.tensor[0], 1e-6F);
+  const float true_texture = std::max(texture - kGradientNoise * (1.0F - ncc), 0.1F * texture);
+  return residual * patch.inverse_hessian[0] * texture / true_texture;
+}
+
+void adopt(const StereoMeasurement& found, FollowedPoint& point) {
+  if (point.previous_stereo.valid) {
+    point.disparity_rate_px = std::clamp(found.disparity_px - point.previous_stereo.disparity_px,
+                                         -kMaxRate_px, kMaxRate_px);
+  }
+  point.stereo = found;
+  point.pairs_without_stereo = 0;
+}
+
+// Of an old track whose disparity came as predicted and whose patches fit as before. Checking those
+// as well costs a sixth of the stage; it changes hardly anything on rendered rooms, while on a city
+// drive the 90 % quantile of the step residual was 3 % better with it (3.11 against 3.22 px).
+bool unsuspicious(const FollowedPoint& point, const StereoMeasurement& found) {
+  const float predicted_px = point.previous_stereo.disparity_px + point.disparity_rate_px;
+  return point.age >= kYoungAge && point.previous_stereo.valid &&
+         std::abs(found.disparity_px - predicted_px) < kMaxSurprise_px &&
+         found.ncc > point.previous_stereo.ncc - kMaxNccLoss;
+}
+
+bool trustworthy(const StereoImages& previous, const StereoImages& current,
+                 const FollowedPoint& point, const StereoMeasurement& found) {
+  if (!found.valid) return false;
+  if (unsuspicious(point, found)) return true;
+  if (!point.previous_stereo.valid) return is_consistent(current, point.left, found);
+  FollowedPoint candidate = point;
+  candidate.stereo = found;
+  return closes_circle(previous, current, candidate);
+}
+
+}  // namespace
+
+StereoMeasurement align_stereo(const StereoImages& images, ImagePoint left,
+                               const StereoMeasurement& start) {
+  const PixelPosition pixel = nearest_pixel(left);
+  if (!holds_template(images.left.level(0), pixel)) return {};
+  PlaneTemplate patch;
+  build_template(images.left.level(0), pixel.u_px, pixel.v_px, patch);
+  const float du = left.u_px - static_cast<float>(pixel.u_px);
+  const float dv = left.v_px - static_cast<float>(pixel.v_px);
+  const float expected = start.disparity_px - start.slope_u * du - start.slope_v * dv;
+  PlaneWarp warp{.u_px = static_cast<float>(pixel.u_px) - expected,
+                 .v_px = pixel.v_px,
+                 .slope_u = start.slope_u,
+                 .slope_v = start.slope_v};
+  const AlignmentResult result = align(images.right.level(0), patch, kMaxSteps, warp);
+  StereoMeasurement out{.slope_u = warp.slope_u, .slope_v = warp.slope_v, .ncc = result.ncc};
+  out.disparity_px =
+      static_cast<float>(pixel.u_px) - warp.u_px + warp.slope_u * du + warp.slope_v * dv;
+  out.variance_px2 = variance(patch, result.ncc);
+  const float moved = std::abs(out.disparity_px - start.disparity_px);
+  out.valid = result.ncc >= kMinNcc && result.step_px < kMaxLastStep_px &&
+              out.disparity_px >= kMinDisparity_px &&
+              moved <= std::max(3.0F, 0.1F * start.disparity_px);
+  return out;
+}
+
+bool is_consistent(const StereoImages& images, ImagePoint left, const StereoMeasurement& stereo) {
+  const PixelPosition pixel = nearest_pixel({left.u_px - stereo.disparity_px, left.v_px});
+  if (!holds_template(images.right.level(0), pixel)) return false;
+  PlaneTemplate patch;
+  build_template(images.right.level(0), pixel.u_px, pixel.v_px, patch);
+  // Inverse of x_right = (1 - a) x_left - b y.
+  const float scale = 1.0F / (1.0F - stereo.slope_u);
+  const float du = left.u_px - stereo.disparity_px - static_cast<float>(pixel.u_px);
+  const float dv = left.v_px - static_cast<float>(pixel.v_px);
+  const float u = left.u_px - scale * du - scale * stereo.slope_v * dv;
+  PlaneWarp warp{
+      .u_px = u, .v_px = pixel.v_px, .slope_u = 1.0F - scale, .slope_v = -stereo.slope_v * scale};
+  const AlignmentResult result = align(images.left.level(0), patch, 1, warp);
+  return result.ncc > kMinClosureNcc && std::abs(result.step_u_px) < kMaxConsistency_px;
+}
+
+bool closes_circle(const StereoImages& previous, const StereoImages& current,
+                   const FollowedPoint& point) {
+  const ImagePoint right{point.left.u_px - point.stereo.disparity_px, point.left.v_px};
+  const PixelPosition pixel = nearest_pixel(right);
+  if (!holds_template(current.right.level(0), pixel)) return false;
+  AffineTemplate patch;
+  build_template(current.right.level(0), pixel.u_px, pixel.v_px, patch);
+  // current right -> current left -> previous left -> previous right
+  const Matrix2 backwards = shape(point.previous_warp) * inverse(shape(point.warp));
+  const Matrix2 m = shape(point.previous_stereo) * backwards * inverse(shape(point.stereo));
+  const ImagePoint offset{right.u_px - static_cast<float>(pixel.u_px),
+                          right.v_px - static_cast<float>(pixel.v_px)};
+  const AffineWarp there{.a = m.a, .b = m.b, .c = m.c, .d = m.d};
+  AffineWarp warp = moved_to(
+      there, offset,
+      {point.previous_left.u_px - point.previous_stereo.disparity_px, point.previous_left.v_px});
+  const AlignmentResult result = align(previous.right.level(0), patch, 1, warp);
+  return result.ncc > kMinClosureNcc &&
+         std::hypot(result.step_u_px, result.step_v_px) < kMaxClosure_px;
+}
+
+StereoAlignment::StereoAlignment(int capacity, const DisparityConfig& config) : search_(config) {
+  const auto n = static_cast<std::size_t>(capacity);
+  lost_.reserve(n);
+  pixels_.reserve(n);
+  matches_.reserve(n);
+}
+
+void StereoAlignment::measure(const StereoImages& previous, const StereoImages& current,
+                              TrackStore& store) {
+  measure_predicted(previous, current, store);
+  search_lost(previous, current, store);
+}
+
+void StereoAlignment::measure_predicted(const StereoImages& previous, const StereoImages& current,
+                                        TrackStore& store) {
+  lost_.clear();
+  pixels_.clear();
+  for (std::size_t i = 0; i < store.points().size(); ++i) {
+    FollowedPoint& point = store.points()[i];
+    if (!point.followed) continue;
+    StereoMeasurement start = point.previous_stereo;
+    start.disparity_px = std::max(start.disparity_px + point.disparity_rate_px, 0.0F);
+    const StereoMeasurement found = align_stereo(current, point.left, start);
+    if (trustworthy(previous, current, point, found)) {
+      adopt(found, point);
+    } else {
+      point.stereo = start;
+      point.stereo.valid = false;
+      ++point.pairs_without_stereo;
+      lost_.push_back(i);
+      pixels_.push_back(nearest_pixel(point.left));
+    }
+  }
+}
+
+void StereoAlignment::search_lost(const StereoImages& previous, const StereoImages& current,
+                                  TrackStore& store) {
+  matches_.resize(lost_.size());
+  search_.search(current.left, current.right, pixels_, matches_);
+  for (std::size_t k = 0; k < lost_.size(); ++k) {
+    if (matches_[k].status != MatchStatus::kFound) continue;
+    FollowedPoint& point = store.points()[lost_[k]];
+    const StereoMeasurement start{.disparity_px = static_cast<float>(matches_[k].disparity_px)};
+    const StereoMeasurement found = align_stereo(current, point.left, start);
+    if (trustworthy(previous, current, point, found)) adopt(found, point);
+  }
+}
+
+}  // namespace egomod

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "egomod/features/disparity_search.hpp"
+#include "stereo_images.hpp"
+#include "track_store.hpp"
+
+namespace egomod {
+
+// Subpixel disparity of a left point with a plane (d + a x + b y) through its patch, from a start
+// that is right to about a pixel; not valid where the patches do not agree.
+[[nodiscard]] StereoMeasurement align_stereo(const StereoImages& images, ImagePoint left,
+                                             const StereoMeasurement& start);
+
+// The patch seen in the right image, sought in the left one, must come back to where it was.
+[[nodiscard]] bool is_consistent(const StereoImages& images, ImagePoint left,
+                                 const StereoMeasurement& stereo);
+
+// The fourth side of the circle: the patch in the current right image must fall on the known place
+// in the previous right image.
+[[nodiscard]] bool closes_circle(const StereoImages& previous, const StereoImages& current,
+                                 const FollowedPoint& point);
+
+// Disparities of all followed points. Points without a valid one keep the last, moved on.
+// Threads: one caller.
+class StereoAlignment {
+ public:
+  StereoAlignment(int capacity, const DisparityConfig& config);
+
+  void measure(const StereoImages& previous, const StereoImages& current, TrackStore& store);
+
+ private:
+  void measure_predicted(const StereoImages& previous, const StereoImages& current,
+                         TrackStore& store);
+  void search_lost(const StereoImages& previous, const StereoImages& current, TrackStore& store);
+
+  DisparitySearch search_;
+  std::vector<std::size_t> lost_;
+  std::vector<PixelPosition> pixels_;
+  std::vector<DisparityMatch> matches_;
+};
+
+}  // namespace egomod

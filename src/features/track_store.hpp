@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "egomod/core/track_set.hpp"
+#include "egomod/features/corners.hpp"
+#include "egomod/features/image_point.hpp"
+#include "egomod/features/patch_alignment.hpp"
+
+namespace egomod {
+
+// Disparity of a left point, and the slopes of the plane d + slope_u x + slope_v y around it.
+struct StereoMeasurement {
+  bool valid = false;
+  float disparity_px = 0.0F;
+  float slope_u = 0.0F;
+  float slope_v = 0.0F;
+  float ncc = 0.0F;
+  float variance_px2 = 0.0F;  // of the disparity, from residual and texture
+};
+
+// All that is remembered of one followed point. `warp` takes its anchor template, which sits on a
+// whole pixel, to the current left image; the point itself lies `offset` away from that pixel.
+struct FollowedPoint {
+  std::uint64_t id = 0;
+  std::uint32_t age = 0;
+  std::int32_t anchor = 0;  // index into TrackStore::anchors
+  CornerKind kind = CornerKind::kDark;
+
+  AffineWarp warp;
+  ImagePoint offset;
+  ImagePoint left;
+  ImagePoint flow;  // from the previous to this image
+  bool has_flow = false;
+  float ncc = 1.0F;
+  float usual_ncc = 0.0F;  // its own level, slowly forgotten
+  AffineWarp previous_warp;
+  ImagePoint previous_left;
+
+  StereoMeasurement stereo;  // the last valid one, `valid` only when of this pair
+  StereoMeasurement previous_stereo;
+  float disparity_rate_px = 0.0F;  // a pair
+  int pairs_without_stereo = 0;
+
+  bool followed = false;  // found in this pair's left image
+  bool reanchored = false;
+  bool has_previous_observation = false;
+  StereoObservation observation;
+  StereoObservation previous_observation;
+};
+
+[[nodiscard]] inline ImagePoint point_of(const AffineWarp& warp, ImagePoint offset) {
+  return {warp.u_px + warp.a * offset.u_px + warp.b * offset.v_px,
+          warp.v_px + warp.c * offset.u_px + warp.d * offset.v_px};
+}
+
+// The same warp, moved so that the point lies at `position`.
+[[nodiscard]] inline AffineWarp moved_to(AffineWarp warp, ImagePoint offset, ImagePoint position) {
+  const ImagePoint now = point_of(warp, offset);
+  warp.u_px += position.u_px - now.u_px;
+  warp.v_px += position.v_px - now.v_px;
+  return warp;
+}
+
+[[nodiscard]] PixelPosition nearest_pixel(ImagePoint point);
+[[nodiscard]] bool holds_template(const ImageView& image, PixelPosition pixel);
+
+// The followed points in ascending id and their anchor templates. Bounded by `capacity`; nothing is
+// allocated after construction.
+class TrackStore {
+ public:
+  explicit TrackStore(int capacity);
+
+  [[nodiscard]] std::vector<FollowedPoint>& points() { return points_; }
+  [[nodiscard]] const std::vector<FollowedPoint>& points() const { return points_; }
+  [[nodiscard]] const AffineTemplate& anchor(const FollowedPoint& point) const {
+    return anchors_[static_cast<std::size_t>(point.anchor)];
+  }
+  [[nodiscard]] std::size_t free_places() const { return free_anchors_.size(); }
+  [[nodiscard]] bool full() const { return free_anchors_.empty(); }
+
+  // Renews the template at the point's own place in `left`; the point stays where it is.
+  void anchor_here(const ImageView& left, FollowedPoint& point);
+  // Appends a point with a fresh id, anchored at `pixel`. The store must not be full.
+  FollowedPoint& add(const ImageView& left, PixelPosition pixel, CornerKind kind);
+  void clear();
+  // Drops points for which `lost(point)`; the others keep their order.
+  template <typename Predicate>
+  void drop_if(Predicate lost) {
+    std::size_t kept = 0;
+    for (const FollowedPoint& point : points_) {
+      if (lost(point)) {
+        free_anchors_.push_back(point.anchor);
+      } else {
+        points_[kept++] = point;
+      }
+    }
+    points_.resize(kept);
+  }
+
+ private:
+  std::uint64_t last_id_ = 0;
+  std::vector<FollowedPoint> points_;
+  std::vector<AffineTemplate> anchors_;
+  std::vector<std::int32_t> free_anchors_;
+};
+
+}  // namespace egomod

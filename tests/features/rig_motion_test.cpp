@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rig_motion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "egomod/core/geometry.hpp"
+#include "test_images.hpp"
+
+namespace egomod {
+namespace {
+
+const StereoCamera kCamera{.fx_px = 500.0,
+                           .fy_px = 500.0,
+                           .cx_px = 320.0,
+                           .cy_px = 240.0,
+                           .baseline_m = 0.3,
+                           .width_px = 640,
+                           .height_px = 480};
+constexpr int kPoints = 200;
+constexpr float kMaxError_px = 0.2F;
+
+Eigen::Isometry3d ahead_and_left() {
+  Vector6d xi;
+  xi << 0.02, 0.0, -0.4, 0.0, 0.05, 0.01;
+  return se3_exp(xi);
+}
+
+ImagePoint seen(const Eigen::Vector3d& P_m) {
+  const Eigen::Vector3d uvd = project(kCamera, P_m);
+  return {static_cast<float>(uvd.x()), static_cast<float>(uvd.y())};
+}
+
+// Points between 2 and 20 m; the share that moves goes 0.5 m to the right.
+void fill(TrackStore& store, double moving_share) {
+  const Image image = testing::flat_image(64, 64, 120.0, 10.0, 1);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> across(-0.4, 0.4), depth_m(2.0, 20.0);
+  for (int i = 0; i < kPoints; ++i) {
+    const double z = depth_m(random);
+    const Eigen::Vector3d P(across(random) * z, across(random) * z, z);
+    FollowedPoint& point = store.add(image.view(), {32, 32}, CornerKind::kDark);
+    const Eigen::Vector3d own(i < moving_share * kPoints ? 0.5 : 0.0, 0.0, 0.0);
+    point.previous_left = seen(P);
+    point.previous_stereo.disparity_px = static_cast<float>(project(kCamera, P).z());
+    point.left = seen(ahead_and_left() * (P + own));
+    point.followed = true;
+  }
+}
+
+TEST(RigMotionTest, PredictsRestingPointsAmongMovers) {
+  TrackStore store(kPoints);
+  fill(store, 0.3);
+  RigMotion motion;
+  motion.begin_pair(kCamera, true);
+  ASSERT_TRUE(motion.guess(store));
+  for (std::size_t i = kPoints / 2; i < kPoints; ++i) {
+    const FollowedPoint& point = store.points()[i];
+    const auto expected = motion.predict(point);
+    ASSERT_TRUE(expected.has_value());
+    EXPECT_NEAR(expected->u_px, point.left.u_px, kMaxError_px);
+    EXPECT_NEAR(expected->v_px, point.left.v_px, kMaxError_px);
+  }
+}
+
+TEST(RigMotionTest, SaysNothingWherePointsDisagree) {
+  TrackStore store(kPoints);
+  fill(store, 0.0);
+  std::mt19937 random(2);
+  std::uniform_real_distribution<float> anywhere(0.0F, 480.0F);
+  for (FollowedPoint& point : store.points()) point.left = {anywhere(random), anywhere(random)};
+  RigMotion motion;
+  motion.begin_pair(kCamera, true);
+  EXPECT_FALSE(motion.guess(store));
+  EXPECT_FALSE(motion.predict(store.points().front()).has_value());
+}
+
+TEST(RigMotionTest, SaysNothingOfFewPointsOrWithoutACamera) {
+  TrackStore store(kPoints);
+  fill(store, 0.0);
+  RigMotion motion;
+  motion.begin_pair(StereoCamera{}, true);
+  EXPECT_FALSE(motion.guess(store));
+  motion.begin_pair(kCamera, true);
+  for (std::size_t i = 5; i < kPoints; ++i) store.points()[i].followed = false;
+  EXPECT_FALSE(motion.guess(store));
+}
+
+TEST(RigMotionTest, PredictsNothingWithoutADisparity) {
+  TrackStore store(kPoints);
+  fill(store, 0.0);
+  RigMotion motion;
+  motion.begin_pair(kCamera, true);
+  ASSERT_TRUE(motion.guess(store));
+  store.points().front().previous_stereo.disparity_px = 0.0F;
+  EXPECT_FALSE(motion.predict(store.points().front()).has_value());
+}
+
+}  // namespace
+}  // namespace egomod
