@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "egomod/core/egomotion.hpp"
+#include "egomod/core/track_set.hpp"
+#include "egomod/egomotion/correspondence.hpp"
+#include "egomod/egomotion/gauss_newton_solver.hpp"
+#include "egomod/egomotion/pose_accumulator.hpp"
+#include "egomod/egomotion/rival_finder.hpp"
+#include "egomod/egomotion/sigma_point_solver.hpp"
+#include "egomod/egomotion/solution.hpp"
+#include "egomod/egomotion/statistics.hpp"
+#include "egomod/egomotion/track_map.hpp"
+
+namespace egomod {
+
+enum class EgomotionMethod { kSigmaPointKalmanFilter, kGaussNewton };
+
+struct EgomotionConfig {
+  EgomotionMethod method = EgomotionMethod::kGaussNewton;
+  // true: against each track's position filtered over its life; false: frame to frame.
+  bool map = true;
+
+  int min_inliers = 8;
+  double min_inlier_share = 0.15;
+  // Worst standard deviation of a motion still called determined.
+  double max_translation_sigma_m = 0.5;
+  double max_rotation_sigma_rad = 0.05;
+  // Gauss-Newton: squared Mahalanobis distance that parts inliers from outliers.
+  double inlier_chi2 = kChi2Of3At99Percent;
+  // What a reset without knowledge of the motion adds to the pose.
+  double reset_translation_sigma_m = 1.0;
+  double reset_rotation_sigma_rad = 0.2;
+
+  RansacConfig ransac;
+  GaussNewtonConfig gauss_newton;
+  SigmaPointFilterConfig sigma_point_filter;
+  TrackMapConfig track_map;
+  RivalConfig rival;
+};
+
+// Motion of the rig between two tracked pairs from the tracks seen in both, robust against movers,
+// and its accumulation into a pose. Threads: one caller.
+class EgomotionEstimator {
+ public:
+  explicit EgomotionEstimator(const EgomotionConfig& config);
+
+  // `motion` is refilled in place; `motion.roles` runs parallel to `tracks.tracks`.
+  void estimate(const TrackSet& tracks, Egomotion& motion);
+
+ private:
+  void begin(const TrackSet& tracks, Egomotion& motion) const;
+  void repeat_pose(const TrackSet& tracks, Egomotion& motion);
+  void start_anew(const TrackSet& tracks, Egomotion& motion);
+  void follow(const TrackSet& tracks, Egomotion& motion);
+  void finish(Egomotion& motion) const;
+
+  void advance_to(const TrackSet& tracks, Egomotion& motion);
+  void gather(const TrackSet& tracks);
+  [[nodiscard]] bool find_past(const StereoCamera& camera, const Track& track, std::size_t index,
+                               const Eigen::Isometry3d& T_previous_first, Correspondence& c) const;
+  [[nodiscard]] Solution solve(const TrackSet& tracks);
+  void assign_roles(const TrackSet& tracks, const Solution& solution, Egomotion& motion);
+  [[nodiscard]] bool is_inlier(const Eigen::Isometry3d& T_current_previous, std::size_t k,
+                               const StereoCamera& camera) const;
+  [[nodiscard]] EstimateReason judge(const Solution& solution, const Egomotion& motion) const;
+  [[nodiscard]] bool weigh_rival(const TrackSet& tracks, Solution& solution, Solution& other,
+                                 Egomotion& motion);
+  void accept(const TrackSet& tracks, const Solution& solution, Egomotion& motion);
+  void doubt(const Solution& other, Egomotion& motion);
+  void fail(EstimateReason reason, Egomotion& motion);
+
+  void keep_velocity(const Egomotion& motion);
+  void adapt_noise_scale(const Eigen::Isometry3d& T_current_previous);
+  [[nodiscard]] double renewed_share(const TrackSet& tracks) const;
+  [[nodiscard]] VelocityState unknown_velocity() const;
+  [[nodiscard]] bool over_a_hole(const TrackSet& tracks) const;
+
+  EgomotionConfig config_;
+  GaussNewtonSolver gauss_newton_;
+  SigmaPointSolver sigma_point_;
+  RivalFinder rival_finder_;
+  TrackMap map_;
+  PoseAccumulator pose_;
+  // Of the last pose against the map: white, and part of the next motion's error. Zero without map.
+  Matrix6d against_map_ = Matrix6d::Zero();
+  // How far off the pose is, should the other motion have been the rig's ever since geometry could
+  // not tell them apart; zero when it can.
+  Vector6d to_other_pose_ = Vector6d::Zero();
+  VelocityState velocity_;
+  VelocityState habit_;  // the velocity, slowly followed: what constant motion means to a rival
+  double noise_scale_ = 1.0;  // of the observations' covariances, learnt from the residuals
+
+  bool started_ = false;
+  bool has_velocity_ = false;
+  std::uint64_t last_tracked_sequence_ = 0;
+  std::uint64_t skipped_ = 0;          // by capture.max_rate_hz since then
+  Nanoseconds map_exposure_{0};        // of the pair that the map was aligned to
+  Nanoseconds reference_exposure_{0};  // of the pair that motions are measured from
+  double dt_s_ = 0.0;
+
+  std::vector<Correspondence> correspondences_;
+  std::vector<double> scratch_;
+};
+
+}  // namespace egomod

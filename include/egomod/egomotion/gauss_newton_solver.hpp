@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "egomod/egomotion/ransac.hpp"
+#include "egomod/egomotion/robust_gauss_newton.hpp"
+#include "egomod/egomotion/solution.hpp"
+
+namespace egomod {
+
+// The motion that most of the weight agrees on: graduated Gauss-Newton from the expected motion
+// and, unless that one wins a majority, from no motion and from the best two minimal samples.
+// Threads: one caller.
+class GaussNewtonSolver {
+ public:
+  GaussNewtonSolver(const GaussNewtonConfig& config, const RansacConfig& ransac)
+      : ransac_(ransac), gauss_newton_(config) {}
+
+  void reserve(std::size_t points) { gauss_newton_.reserve(points); }
+
+  // `sequence` seeds the sampling.
+  [[nodiscard]] Solution solve(const StereoCamera& camera,
+                               std::span<const Correspondence> correspondences,
+                               const Eigen::Isometry3d& expected, std::uint64_t sequence);
+
+  // Squared Mahalanobis distance of one of the correspondences that were solved last.
+  [[nodiscard]] double distance2(const Eigen::Isometry3d& T_current_previous,
+                                 std::size_t index) const {
+    return gauss_newton_.distance2(T_current_previous, index);
+  }
+
+ private:
+  void try_other_starts(std::span<const Correspondence> correspondences,
+                        const Eigen::Isometry3d& expected, std::uint64_t sequence,
+                        GaussNewtonResult& best);
+
+  RansacConfig ransac_;
+  RobustGaussNewton gauss_newton_;
+};
+
+}  // namespace egomod

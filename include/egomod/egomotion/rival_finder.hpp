@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "egomod/core/egomotion.hpp"
+#include "egomod/core/track_set.hpp"
+#include "egomod/egomotion/gauss_newton_solver.hpp"
+#include "egomod/egomotion/sigma_point_filter.hpp"
+#include "egomod/egomotion/solution.hpp"
+#include "egomod/egomotion/track_map.hpp"
+
+namespace egomod {
+
+struct RivalConfig {
+  // From this many tracks on for each that the estimate alone explains, a second motion makes the
+  // estimate ambiguous: 0.55 is a mover on 35 % of the tracks that tell the two apart, or the
+  // world on no more than that.
+  double min_support_ratio = 0.55;
+  double ratio_to_stay = 0.35;  // the same once it is ambiguous
+  // A motion explaining this many tracks for each of the other's is the world's, whatever the past.
+  double overwhelming_ratio = 5.0;
+  // How a rig may change its velocity: decides between motions that are about equally supported.
+  double acceleration_sigma_mps2 = 1.0;
+  double turn_acceleration_sigma_radps2 = 1.0;
+};
+
+// What speaks for one of two motions; only tracks that the other does not explain count.
+struct Support {
+  double tracks = 0.0;
+  double known_static = 0.0;  // of them, weighted by how long and how surely they stood still
+  double surprise = 0.0;      // squared Mahalanobis distance from constant velocity
+};
+
+struct Rival {
+  Solution solution;  // of the second motion, between the last two pairs
+  bool preferred = false;
+};
+
+// When movers own many tracks, geometry cannot tell whether they move or the rig does. Looks for
+// one motion that explains the tracks which the estimate does not, and weighs it against the
+// estimate by the past: tracks known to stand still and constant velocity. Threads: one caller.
+class RivalFinder {
+ public:
+  RivalFinder(const RivalConfig& config, const GaussNewtonConfig& gauss_newton,
+              const RansacConfig& ransac)
+      : config_(config), solver_(gauss_newton, ransac), whitened_(gauss_newton) {}
+
+  // `roles`: which tracks `estimate` explains; `map` is empty without one; `velocity` as it was
+  // `dt_s` ago. False when no other motion comes near.
+  [[nodiscard]] bool find(const TrackSet& tracks, const Solution& estimate,
+                          std::span<const TrackRole> roles, std::span<const MapPoint> map,
+                          double noise_scale, const VelocityState& velocity, double dt_s,
+                          Rival& rival);
+
+  void reset() { found_ = false; }
+
+ private:
+  [[nodiscard]] double least_ratio() const {
+    return found_ ? config_.ratio_to_stay : config_.min_support_ratio;
+  }
+  [[nodiscard]] bool search(const TrackSet& tracks, const Solution& estimate,
+                            std::span<const TrackRole> roles, std::span<const MapPoint> map,
+                            double noise_scale, const VelocityState& velocity, double dt_s,
+                            Rival& rival);
+  void reserve(std::size_t points);
+  [[nodiscard]] bool enough_outliers(std::span<const TrackRole> roles) const;
+  void gather(const TrackSet& tracks, std::span<const TrackRole> roles, double noise_scale);
+  void count_support(const TrackSet& tracks, const Eigen::Isometry3d& T_estimate,
+                     const Eigen::Isometry3d& T_rival, std::span<const MapPoint> map,
+                     Support& estimate, Support& rival);
+  [[nodiscard]] double surprise(const Solution& solution, const VelocityState& velocity,
+                                double dt_s) const;
+  [[nodiscard]] bool prefers(const Support& rival, const Support& estimate) const;
+
+  RivalConfig config_;
+  bool found_ = false;  // in the last pair
+  GaussNewtonSolver solver_;
+  RobustGaussNewton whitened_;
+  std::vector<Correspondence> all_;  // of the last two pairs
+  std::vector<Correspondence> unexplained_;
+};
+
+}  // namespace egomod

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "egomod/core/calibration.hpp"
+#include "egomod/core/egomotion.hpp"
+#include "egomod/core/track_set.hpp"
+
+namespace egomod {
+
+struct TrackMapConfig {
+  double fade_per_s = 1.35;          // growth of a position's covariance while it ages
+  int linear_updates = 3;            // first updates of a track that are linear in space
+  double max_distance2 = 25.0;       // squared Mahalanobis distance from which an update is cut
+  double distrust_rate = 0.3;        // how fast a track that does not fit loses its weight...
+  double trust_rate = 0.05;          // ...and how slowly one that fits regains it
+  double reset_below_weight = 0.15;  // a track trusted less starts anew where it is seen
+};
+
+struct MapPoint {
+  std::uint64_t track_id = 0;
+  int updates = 0;  // 0: position unknown
+  Eigen::Vector3d P_first_m = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();
+  double static_weight = 1.0;
+};
+
+// Where each living track stands in the first left camera's frame, filtered over the track's whole
+// life under the belief that it stands still (after H. Badino, A. Yamamoto, T. Kanade, ICCV-W
+// 2013). Bounded by the number of living tracks. Threads: one caller.
+class TrackMap {
+ public:
+  explicit TrackMap(const TrackMapConfig& config) : config_(config) {}
+
+  void clear() { points_.clear(); }
+
+  // Drops tracks that died, adds places for new ones: points() runs parallel to `tracks` after.
+  void align(std::span<const Track> tracks, double dt_s);
+  [[nodiscard]] std::span<const MapPoint> points() const { return points_; }
+
+  // Fuses what the current pair sees from the given pose. `pose_covariance`: right perturbation.
+  // `noise_scale` multiplies the observations' covariance.
+  void update(const StereoCamera& camera, std::span<const Track> tracks,
+              const Eigen::Isometry3d& T_first_current, const Matrix6d& pose_covariance,
+              double noise_scale);
+
+ private:
+  TrackMapConfig config_;
+  std::vector<MapPoint> points_;
+  std::vector<MapPoint> next_;
+};
+
+}  // namespace egomod

@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "egomod/egomotion/egomotion_estimator.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "egomod/core/geometry.hpp"
+#include "egomod/egomotion/degeneracy.hpp"
+
+namespace egomod {
+namespace {
+
+constexpr double kMinDtS = 1e-3;
+constexpr double kHabitS = 0.5;
+constexpr double kNoiseScaleRate = 0.15;
+constexpr double kMinNoiseScale = 0.3;
+constexpr double kMaxNoiseScale = 12.0;
+constexpr double kMinNoiseRatio = 0.2;  // of one pair: images that repeat have no noise at all
+constexpr double kTrusted = 0.5;        // static weight of tracks that tell the noise
+constexpr std::size_t kTracksThatTellNoise = 20;
+constexpr std::size_t kMinCorrespondences = 4;
+constexpr int kMaxAmbiguousQuality = 20;
+constexpr double kInliersOfFullQuality = 100.0;
+
+}  // namespace
+
+EgomotionEstimator::EgomotionEstimator(const EgomotionConfig& config)
+    : config_(config),
+      gauss_newton_(config.gauss_newton, config.ransac),
+      sigma_point_(config.sigma_point_filter, config.ransac),
+      rival_finder_(config.rival, config.gauss_newton, config.ransac),
+      map_(config.track_map),
+      velocity_(unknown_velocity()),
+      habit_(velocity_) {}
+
+void EgomotionEstimator::estimate(const TrackSet& tracks, Egomotion& motion) {
+  begin(tracks, motion);
+  if (tracks.status == TrackStatus::kNotRun) return repeat_pose(tracks, motion);
+  const bool anew = tracks.status == TrackStatus::kReseeded || tracks.status == TrackStatus::kFirst;
+  if (!started_ || anew) {
+    start_anew(tracks, motion);
+  } else {
+    follow(tracks, motion);
+  }
+  finish(motion);
+  last_tracked_sequence_ = tracks.sequence;
+  skipped_ = 0;
+}
+
+void EgomotionEstimator::follow(const TrackSet& tracks, Egomotion& motion) {
+  advance_to(tracks, motion);
+  gather(tracks);
+  Solution solution = solve(tracks);
+  assign_roles(tracks, solution, motion);
+  const EstimateReason failure = judge(solution, motion);
+  if (failure != EstimateReason::kNone) return fail(failure, motion);
+  Solution other;
+  const bool ambiguous = weigh_rival(tracks, solution, other, motion);
+  accept(tracks, solution, motion);
+  if (ambiguous) {
+    doubt(other, motion);
+  } else {
+    to_other_pose_.setZero();
+  }
+}
+
+void EgomotionEstimator::begin(const TrackSet& tracks, Egomotion& motion) const {
+  std::vector<TrackRole> roles = std::move(motion.roles);
+  motion = Egomotion{};
+  motion.roles = std::move(roles);
+  motion.roles.assign(tracks.tracks.size(), TrackRole::kUnused);
+  motion.sequence = tracks.sequence;
+  motion.exposure = tracks.exposure;
+  motion.previous_exposure = started_ ? reference_exposure_ : tracks.exposure;
+}
+
+void EgomotionEstimator::finish(Egomotion& motion) const {
+  motion.T_first_current = pose_.T_first_current();
+  motion.covariance_first_current = pose_.covariance() + against_map_;
+  if (config_.map && motion.status == EstimateStatus::kFailed)
+    motion.covariance_first_current += motion.covariance_previous_current;
+  motion.reset_count = pose_.reset_count();
+}
+
+void EgomotionEstimator::repeat_pose(const TrackSet& tracks, Egomotion& motion) {
+  const bool skipped = tracks.pair_status == PairStatus::kSkipped;
+  skipped_ += skipped ? 1 : 0;
+  motion.status = skipped ? EstimateStatus::kSkipped : EstimateStatus::kFailed;
+  motion.reason = skipped ? EstimateReason::kNone : EstimateReason::kPairRejected;
+  finish(motion);
+}
+
+void EgomotionEstimator::start_anew(const TrackSet& tracks, Egomotion& motion) {
+  motion.status = EstimateStatus::kFirst;
+  motion.previous_exposure = tracks.exposure;
+  if (started_) {
+    motion.reason = EstimateReason::kReseeded;
+    pose_.reset(
+        diagonal_covariance(config_.reset_translation_sigma_m, config_.reset_rotation_sigma_rad));
+  }
+  started_ = true;
+  has_velocity_ = false;
+  velocity_ = habit_ = unknown_velocity();
+  against_map_.setZero();
+  to_other_pose_.setZero();
+  rival_finder_.reset();
+  map_.clear();
+  map_.align(tracks.tracks, 0.0);
+  map_.update(tracks.camera, tracks.tracks, pose_.T_first_current(), Matrix6d::Zero(),
+              noise_scale_);
+  reference_exposure_ = map_exposure_ = tracks.exposure;
+}
+
+void EgomotionEstimator::advance_to(const TrackSet& tracks, Egomotion& motion) {
+  if (!config_.map) reference_exposure_ = tracks.previous_exposure;
+  motion.previous_exposure = reference_exposure_;
+  dt_s_ = std::max(kMinDtS, to_seconds(tracks.exposure - reference_exposure_));
+  if (config_.map) map_.align(tracks.tracks, to_seconds(tracks.exposure - map_exposure_));
+  map_exposure_ = tracks.exposure;
+}
+
+void EgomotionEstimator::gather(const TrackSet& tracks) {
+  correspondences_.clear();
+  const Eigen::Isometry3d T_previous_first = pose_.T_first_current().inverse();
+  for (std::size_t k = 0; k < tracks.tracks.size(); ++k) {
+    const Track& track = tracks.tracks[k];
+    Correspondence c;
+    if (!track.has_current || !usable(track.current)) continue;
+    if (!find_past(tracks.camera, track, k, T_previous_first, c)) continue;
+    c.track = k;
+    c.observed_px = uvd(track.current);
+    c.covariance_observed_px2 = noise_scale_ * covariance(track.current);
+    correspondences_.push_back(c);
+  }
+}
+
+bool EgomotionEstimator::find_past(const StereoCamera& camera, const Track& track,
+                                   std::size_t index, const Eigen::Isometry3d& T_previous_first,
+                                   Correspondence& c) const {
+  if (!config_.map)
+    return track.has_previous && usable(track.previous) &&
+           correspondence_of(camera, uvd(track.previous), noise_scale_ * covariance(track.previous),
+                             c);
+  const MapPoint& point = map_.points()[index];
+  const Eigen::Matrix3d R = T_previous_first.linear();
+  c.P_previous_m = T_previous_first * point.P_first_m;
+  c.covariance_previous_m2 = R * point.covariance_m2 * R.transpose();
+  c.static_weight = point.static_weight;
+  return point.updates > 0 && c.P_previous_m.z() > kMinDepthM;
+}
+
+Solution EgomotionEstimator::solve(const TrackSet& tracks) {
+  const auto min_inliers = static_cast<std::size_t>(config_.min_inliers);
+  if (correspondences_.size() < std::max(min_inliers, kMinCorrespondences))
+    return {.failure = EstimateReason::kFewTracks};
+  if (config_.method == EgomotionMethod::kGaussNewton)
+    return gauss_newton_.solve(tracks.camera, correspondences_, motion_of(velocity_.y, dt_s_),
+                               tracks.sequence);
+  return sigma_point_.solve(tracks.camera, correspondences_, velocity_, dt_s_, tracks.sequence,
+                            min_inliers);
+}
+
+bool EgomotionEstimator::is_inlier(const Eigen::Isometry3d& T_current_previous, std::size_t k,
+                                   const StereoCamera& camera) const {
+  if (config_.method == EgomotionMethod::kGaussNewton)
+    return gauss_newton_.distance2(T_current_previous, k) < config_.inlier_chi2;
+  return sigma_point_.agrees(camera, T_current_previous, correspondences_[k]);
+}
+
+void EgomotionEstimator::assign_roles(const TrackSet& tracks, const Solution& solution,
+                                      Egomotion& motion) {
+  if (solution.failure == EstimateReason::kFewTracks) return;
+  const Eigen::Isometry3d T = solution.T_previous_current.inverse();
+  scratch_.clear();
+  motion.inliers = 0;
+  for (std::size_t k = 0; k < correspondences_.size(); ++k) {
+    const Correspondence& c = correspondences_[k];
+    if (!tracks.tracks[c.track].has_previous) continue;
+    const bool inlier = is_inlier(T, k, tracks.camera);
+    motion.roles[c.track] = inlier ? TrackRole::kInlier : TrackRole::kOutlier;
+    if (!inlier) continue;
+    ++motion.inliers;
+    scratch_.push_back(
+        (c.observed_px - project(tracks.camera, T * c.P_previous_m)).head<2>().squaredNorm());
+  }
+  motion.residual_px = std::sqrt(median(scratch_, 0.0) / kMedianChi2Of2);
+}
+
+EstimateReason EgomotionEstimator::judge(const Solution& solution, const Egomotion& motion) const {
+  if (solution.failure != EstimateReason::kNone) return solution.failure;
+  const double share = motion.inliers / static_cast<double>(correspondences_.size());
+  const Matrix6d& C = solution.covariance;
+  if (motion.inliers < config_.min_inliers || share < config_.min_inlier_share)
+    return EstimateReason::kFewInliers;
+  const bool determined =
+      C.allFinite() && solution.T_previous_current.matrix().allFinite() &&
+      largest_sigma(C.topLeftCorner<3, 3>()) <= config_.max_translation_sigma_m &&
+      largest_sigma(C.bottomRightCorner<3, 3>()) <= config_.max_rotation_sigma_rad &&
+      !inliers_lie_on_a_line(correspondences_, motion.roles);
+  return determined ? EstimateReason::kNone : EstimateReason::kDegenerate;
+}
+
+// True when another motion is about as well supported: the one that the past favours is in
+// `solution` then, the other one in `other`.
+bool EgomotionEstimator::weigh_rival(const TrackSet& tracks, Solution& solution, Solution& other,
+                                     Egomotion& motion) {
+  if (tracks.previous_exposure != reference_exposure_) return false;
+  Rival rival;
+  const std::span<const MapPoint> map = config_.map ? map_.points() : std::span<const MapPoint>{};
+  if (!rival_finder_.find(tracks, solution, motion.roles, map, noise_scale_, habit_, dt_s_, rival))
+    return false;
+  other = rival.solution;
+  if (!rival.preferred) return true;
+  std::swap(solution, other);
+  assign_roles(tracks, solution, motion);
+  return true;
+}
+
+// If the other motion is the rig's, so it was all the time: the poses drift apart by the sum.
+void EgomotionEstimator::doubt(const Solution& other, Egomotion& motion) {
+  motion.status = EstimateStatus::kAmbiguous;
+  motion.reason = EstimateReason::kMoverDominates;
+  motion.quality = std::min(motion.quality, kMaxAmbiguousQuality);
+  const Vector6d to_other = se3_log(motion.T_previous_current.inverse() * other.T_previous_current);
+  motion.covariance_previous_current += to_other * to_other.transpose() + other.covariance;
+  const Vector6d before = adjoint(motion.T_previous_current.inverse()) * to_other_pose_;
+  to_other_pose_ = before + to_other;
+  pose_.doubt(to_other_pose_ * to_other_pose_.transpose() - before * before.transpose() +
+              other.covariance);
+}
+
+void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution,
+                                Egomotion& motion) {
+  motion.status = EstimateStatus::kValid;
+  motion.reason = over_a_hole(tracks) ? EstimateReason::kHole : EstimateReason::kNone;
+  const double share = motion.inliers / static_cast<double>(correspondences_.size());
+  motion.quality = std::clamp(
+      static_cast<int>(
+          std::lround(100 * share * std::min(1.0, motion.inliers / kInliersOfFullQuality))),
+      1, 100);
+  motion.T_previous_current = solution.T_previous_current;
+  const Matrix6d Ad = adjoint(solution.T_previous_current.inverse());
+  motion.covariance_previous_current = solution.covariance + Ad * against_map_ * Ad.transpose();
+  pose_.compose(solution.T_previous_current, renewed_share(tracks) * solution.covariance);
+  if (config_.map) against_map_ = solution.covariance;
+  keep_velocity(motion);
+  adapt_noise_scale(solution.T_previous_current.inverse());
+  if (config_.map)
+    map_.update(tracks.camera, tracks.tracks, pose_.T_first_current(), solution.covariance,
+                noise_scale_);
+  reference_exposure_ = tracks.exposure;
+}
+
+void EgomotionEstimator::keep_velocity(const Egomotion& motion) {
+  velocity_.y = velocity_of(motion.T_previous_current, dt_s_);
+  const Matrix6d J_inverse = motion_perturbation_of_velocity(velocity_.y, dt_s_).inverse();
+  velocity_.covariance = J_inverse * motion.covariance_previous_current * J_inverse.transpose();
+  // A mover that starts from rest drags the velocity along until it is seen to be one.
+  const double rate = has_velocity_ ? 1.0 - std::exp(-dt_s_ / kHabitS) : 1.0;
+  habit_.y += rate * (velocity_.y - habit_.y);
+  habit_.covariance = velocity_.covariance;
+  has_velocity_ = true;
+}
+
+void EgomotionEstimator::fail(EstimateReason reason, Egomotion& motion) {
+  motion.status = EstimateStatus::kFailed;
+  motion.reason = reason;
+  motion.covariance_previous_current =
+      diagonal_covariance(config_.reset_translation_sigma_m, config_.reset_rotation_sigma_rad);
+  // Frame to frame the motion of this pair is lost; tracks in the map remember where they stood.
+  if (!config_.map) pose_.doubt(motion.covariance_previous_current);
+}
+
+void EgomotionEstimator::adapt_noise_scale(const Eigen::Isometry3d& T_current_previous) {
+  if (config_.method != EgomotionMethod::kGaussNewton) return;
+  scratch_.clear();
+  for (std::size_t k = 0; k < correspondences_.size(); ++k)
+    if (correspondences_[k].static_weight > kTrusted)
+      scratch_.push_back(gauss_newton_.distance2(T_current_previous, k));
+  if (scratch_.size() < kTracksThatTellNoise) return;
+  const double ratio = std::max(kMinNoiseRatio, median(scratch_, kMedianChi2Of3)) / kMedianChi2Of3;
+  noise_scale_ =
+      std::clamp(noise_scale_ * std::pow(ratio, kNoiseScaleRate), kMinNoiseScale, kMaxNoiseScale);
+}
+
+// How much of a pose's error stays for good: all of it frame to frame; against the map as much as
+// the map renews itself, by new tracks placed from this pose and by fading old ones.
+double EgomotionEstimator::renewed_share(const TrackSet& tracks) const {
+  if (!config_.map) return 1.0;
+  const auto is_new = [](const MapPoint& point) { return point.updates == 0; };
+  const auto renewed =
+      static_cast<double>(std::count_if(map_.points().begin(), map_.points().end(), is_new));
+  const double faded = 1.0 - std::pow(config_.track_map.fade_per_s, -dt_s_);
+  return std::min(1.0, renewed / static_cast<double>(tracks.tracks.size()) + faded);
+}
+
+VelocityState EgomotionEstimator::unknown_velocity() const {
+  VelocityState state;
+  state.covariance = diagonal_covariance(config_.sigma_point_filter.initial_speed_sigma_mps,
+                                         config_.sigma_point_filter.initial_turn_sigma_radps);
+  return state;
+}
+
+bool EgomotionEstimator::over_a_hole(const TrackSet& tracks) const {
+  return tracks.discontinuity || tracks.sequence > last_tracked_sequence_ + skipped_ + 1;
+}
+
+}  // namespace egomod

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "egomod/egomotion/rival_finder.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "egomod/core/geometry.hpp"
+#include "egomod/egomotion/statistics.hpp"
+
+namespace egomod {
+namespace {
+
+constexpr double kHidden = 0.5;  // at most this share of a mover's tracks passes for static
+constexpr std::size_t kMinTracks = 20;
+constexpr double kMinShare = 0.1;       // of all tracks, that tell the two motions apart
+constexpr double kUpdatesToKnow = 15;   // of a track in the map
+constexpr double kMaxSurprise = 100.0;  // beyond it nothing is told apart any more
+
+double knowledge(const MapPoint& point) {
+  return point.static_weight * std::min(1.0, point.updates / kUpdatesToKnow);
+}
+
+double score(const Support& support) {
+  return std::log1p(support.tracks) + std::log1p(support.known_static) -
+         0.5 * std::min(support.surprise, kMaxSurprise);
+}
+
+}  // namespace
+
+bool RivalFinder::find(const TrackSet& tracks, const Solution& estimate,
+                       std::span<const TrackRole> roles, std::span<const MapPoint> map,
+                       double noise_scale, const VelocityState& velocity, double dt_s,
+                       Rival& rival) {
+  found_ = search(tracks, estimate, roles, map, noise_scale, velocity, dt_s, rival);
+  return found_;
+}
+
+bool RivalFinder::search(const TrackSet& tracks, const Solution& estimate,
+                         std::span<const TrackRole> roles, std::span<const MapPoint> map,
+                         double noise_scale, const VelocityState& velocity, double dt_s,
+                         Rival& rival) {
+  reserve(tracks.tracks.size());
+  if (!enough_outliers(roles)) return false;
+  gather(tracks, roles, noise_scale);
+  if (unexplained_.size() < kMinTracks) return false;
+  rival.solution =
+      solver_.solve(tracks.camera, unexplained_, estimate.T_previous_current, tracks.sequence);
+  if (rival.solution.failure != EstimateReason::kNone) return false;
+  Support for_estimate;
+  Support for_rival;
+  count_support(tracks, estimate.T_previous_current, rival.solution.T_previous_current, map,
+                for_estimate, for_rival);
+  const double least =
+      std::max(kMinShare * static_cast<double>(all_.size()), least_ratio() * for_estimate.tracks);
+  if (for_rival.tracks < least) return false;
+  for_estimate.surprise = surprise(estimate, velocity, dt_s);
+  for_rival.surprise = surprise(rival.solution, velocity, dt_s);
+  rival.preferred = prefers(for_rival, for_estimate);
+  return true;
+}
+
+// Before movers come, so that their coming allocates nothing.
+void RivalFinder::reserve(std::size_t points) {
+  solver_.reserve(points);
+  whitened_.reserve(points);
+  all_.reserve(points);
+  unexplained_.reserve(points);
+}
+
+bool RivalFinder::enough_outliers(std::span<const TrackRole> roles) const {
+  const auto inliers = std::count(roles.begin(), roles.end(), TrackRole::kInlier);
+  const auto outliers = std::count(roles.begin(), roles.end(), TrackRole::kOutlier);
+  return static_cast<double>(outliers) >= kHidden * least_ratio() * static_cast<double>(inliers);
+}
+
+void RivalFinder::gather(const TrackSet& tracks, std::span<const TrackRole> roles,
+                         double noise_scale) {
+  all_.clear();
+  unexplained_.clear();
+  for (std::size_t k = 0; k < tracks.tracks.size(); ++k) {
+    const Track& track = tracks.tracks[k];
+    Correspondence c;
+    if (roles[k] == TrackRole::kUnused || !usable(track.previous) ||
+        !correspondence_of(tracks.camera, uvd(track.previous),
+                           noise_scale * covariance(track.previous), c))
+      continue;
+    c.track = k;
+    c.observed_px = uvd(track.current);
+    c.covariance_observed_px2 = noise_scale * covariance(track.current);
+    all_.push_back(c);
+    if (roles[k] == TrackRole::kOutlier) unexplained_.push_back(c);
+  }
+}
+
+void RivalFinder::count_support(const TrackSet& tracks, const Eigen::Isometry3d& T_estimate,
+                                const Eigen::Isometry3d& T_rival, std::span<const MapPoint> map,
+                                Support& estimate, Support& rival) {
+  whitened_.prepare(tracks.camera, all_, T_estimate);
+  const Eigen::Isometry3d by_estimate = T_estimate.inverse();
+  const Eigen::Isometry3d by_rival = T_rival.inverse();
+  for (std::size_t k = 0; k < all_.size(); ++k) {
+    const bool fits_estimate = whitened_.distance2(by_estimate, k) < kChi2Of3At99Percent;
+    const bool fits_rival = whitened_.distance2(by_rival, k) < kChi2Of3At99Percent;
+    if (fits_estimate == fits_rival) continue;
+    Support& support = fits_estimate ? estimate : rival;
+    support.tracks += 1.0;
+    if (!map.empty()) support.known_static += knowledge(map[all_[k].track]);
+  }
+}
+
+double RivalFinder::surprise(const Solution& solution, const VelocityState& velocity,
+                             double dt_s) const {
+  const Vector6d y = velocity_of(solution.T_previous_current, dt_s);
+  const Matrix6d to_velocity = motion_perturbation_of_velocity(y, dt_s).inverse();
+  const Matrix6d change = diagonal_covariance(config_.acceleration_sigma_mps2 * dt_s,
+                                              config_.turn_acceleration_sigma_radps2 * dt_s);
+  const Matrix6d S =
+      velocity.covariance + change + to_velocity * solution.covariance * to_velocity.transpose();
+  const Vector6d innovation = y - velocity.y;
+  return innovation.dot(S.ldlt().solve(innovation));
+}
+
+bool RivalFinder::prefers(const Support& rival, const Support& estimate) const {
+  if (rival.tracks > config_.overwhelming_ratio * estimate.tracks) return true;
+  return score(rival) > score(estimate);
+}
+
+}  // namespace egomod

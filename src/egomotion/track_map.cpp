@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "egomod/egomotion/track_map.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "egomod/core/geometry.hpp"
+#include "egomod/egomotion/correspondence.hpp"
+#include "egomod/egomotion/robust_gauss_newton.hpp"
+#include "egomod/egomotion/statistics.hpp"
+
+namespace egomod {
+namespace {
+
+// It moved, or was lost: it must earn its weight anew, or movers leak in each time they start over.
+constexpr double kWeightAfterReset = 0.02;
+
+// What one pair sees of a point: innovation, its Jacobian in the point, its covariance.
+struct Innovation {
+  Eigen::Vector3d r;
+  Eigen::Matrix3d H;
+  Eigen::Matrix3d S;
+};
+
+struct View {
+  const StereoCamera& camera;
+  Eigen::Isometry3d T_first_current;
+  Eigen::Isometry3d T_current_first;
+  const Matrix6d& pose_covariance;
+};
+
+Eigen::Matrix<double, 3, 6> pose_jacobian_in_space(const Eigen::Vector3d& P_current_m) {
+  Eigen::Matrix<double, 3, 6> J;
+  J << Eigen::Matrix3d::Identity(), -skew(P_current_m);
+  return J;
+}
+
+// The observation as a position in the first frame, with the pose's uncertainty.
+void locate(const View& view, const Eigen::Vector3d& z, const Eigen::Matrix3d& R,
+            Eigen::Vector3d& P_first, Eigen::Matrix3d& covariance) {
+  const Eigen::Vector3d P = triangulate(view.camera, z);
+  const Eigen::Matrix3d J = triangulate_jacobian(view.camera, z);
+  const Eigen::Matrix<double, 3, 6> Jx = pose_jacobian_in_space(P);
+  const Eigen::Matrix3d rotation = view.T_first_current.linear();
+  P_first = view.T_first_current * P;
+  covariance = rotation * (J * R * J.transpose() + Jx * view.pose_covariance * Jx.transpose()) *
+               rotation.transpose();
+}
+
+// The first updates: (u, v, disparity) is too bent over a young track's uncertainty.
+Innovation innovation_in_space(const View& view, const MapPoint& point, const Eigen::Vector3d& z,
+                               const Eigen::Matrix3d& R) {
+  Innovation i;
+  Eigen::Vector3d P;
+  locate(view, z, R, P, i.S);
+  i.r = P - point.P_first_m;
+  i.H.setIdentity();
+  i.S += point.covariance_m2;
+  return i;
+}
+
+Innovation innovation_in_image(const View& view, const MapPoint& point, const Eigen::Vector3d& z,
+                               const Eigen::Matrix3d& R) {
+  Innovation i;
+  Eigen::Vector3d P = view.T_current_first * point.P_first_m;
+  P.z() = std::max(P.z(), kMinDepthM);
+  const Eigen::Matrix<double, 3, 6> Jx = motion_jacobian(view.camera, P);
+  i.r = z - project(view.camera, P);
+  i.H = project_jacobian(view.camera, P) * view.T_current_first.linear();
+  i.S =
+      R + i.H * point.covariance_m2 * i.H.transpose() + Jx * view.pose_covariance * Jx.transpose();
+  return i;
+}
+
+void fuse(const TrackMapConfig& config, const Innovation& i, MapPoint& point) {
+  const Eigen::Matrix3d S_inverse = i.S.inverse();
+  const double distance2 = i.r.dot(S_inverse * i.r);
+  if (!std::isfinite(distance2)) return;
+  const double cut = std::min(1.0, config.max_distance2 / std::max(distance2, 1e-12));
+  const Eigen::Matrix3d K = cut * point.covariance_m2 * i.H.transpose() * S_inverse;
+  point.P_first_m += K * i.r;
+  const Eigen::Matrix3d C = point.covariance_m2 - K * i.H * point.covariance_m2;
+  point.covariance_m2 = 0.5 * (C + C.transpose());
+  const bool fits = distance2 < kChi2Of3At99Percent;
+  const double rate = fits ? config.trust_rate : config.distrust_rate;
+  point.static_weight += rate * ((fits ? 1.0 : 0.0) - point.static_weight);
+  ++point.updates;
+}
+
+}  // namespace
+
+void TrackMap::align(std::span<const Track> tracks, double dt_s) {
+  const double fade = std::pow(config_.fade_per_s, dt_s);
+  next_.clear();
+  auto old = points_.begin();
+  for (const Track& track : tracks) {
+    while (old != points_.end() && old->track_id < track.id) ++old;
+    MapPoint& point = next_.emplace_back();
+    if (old != points_.end() && old->track_id == track.id) point = *old;
+    point.track_id = track.id;
+    point.covariance_m2 *= fade;
+  }
+  points_.swap(next_);
+}
+
+void TrackMap::update(const StereoCamera& camera, std::span<const Track> tracks,
+                      const Eigen::Isometry3d& T_first_current, const Matrix6d& pose_covariance,
+                      double noise_scale) {
+  const View view{camera, T_first_current, T_first_current.inverse(), pose_covariance};
+  for (std::size_t k = 0; k < tracks.size(); ++k) {
+    const Track& track = tracks[k];
+    MapPoint& point = points_[k];
+    if (!track.has_current || !usable(track.current)) continue;
+    const Eigen::Vector3d z = uvd(track.current);
+    const Eigen::Matrix3d R = noise_scale * covariance(track.current);
+    if (point.updates > 0 && point.static_weight < config_.reset_below_weight) {
+      point.updates = 0;
+      point.static_weight = kWeightAfterReset;
+    }
+    if (point.updates == 0) {
+      locate(view, z, R, point.P_first_m, point.covariance_m2);
+      point.updates = 1;
+      continue;
+    }
+    const bool young = point.updates <= config_.linear_updates;
+    fuse(config_,
+         young ? innovation_in_space(view, point, z, R) : innovation_in_image(view, point, z, R),
+         point);
+  }
+}
+
+}  // namespace egomod
