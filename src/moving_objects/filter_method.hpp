@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "egomod/core/egomotion.hpp"
+#include "egomod/core/moving_objects.hpp"
+#include "egomod/core/track_set.hpp"
+#include "egomod/moving_objects/moving_objects_config.hpp"
+#include "moving_objects/filter_bank.hpp"
+#include "moving_objects/motion_groups.hpp"
+#include "moving_objects/noise_scale.hpp"
+#include "moving_objects/object_table.hpp"
+#include "moving_objects/point_sample.hpp"
+
+namespace egomod {
+
+// Evidence over time: each track is filtered under "stands" and under "moves", and what foretells
+// its measurements better wins, in its own time. All tracks are tested, not only the odometry's
+// outliers (its gate hides what is slow). Groups of moving tracks become objects by the evidence
+// that they have together.
+class FilterMethod {
+ public:
+  explicit FilterMethod(const MovingObjectsConfig& config);
+  void detect(const TrackSet& tracks, const Egomotion& motion, MovingObjects& objects);
+
+ private:
+  void filter(const TrackSet& tracks, const Egomotion& motion);
+  void follow_rig(const Egomotion& motion);
+  [[nodiscard]] MotionPrior prior() const;
+  [[nodiscard]] PointMeasurement measure(const TrackSet& tracks, const Egomotion& motion,
+                                         const Track& track, const TrackFilter& filter) const;
+  [[nodiscard]] PointSample sample(const Egomotion& motion, const TrackFilter& filter) const;
+  void report_points(const TrackSet& tracks, std::vector<PointMotion>& points) const;
+  [[nodiscard]] PointState state_of(const PointSample& point) const;
+
+  const MovingObjectsConfig config_;
+  FilterBank filters_;
+  std::uint32_t reset_count_ = 0;
+  Nanoseconds now_{0};
+  Eigen::Vector3d rig_velocity_mps_ = Eigen::Vector3d::Zero();  // smoothed, current camera axes
+  int rig_pairs_ = 0;                                           // in it
+  std::vector<PointSample> points_;
+  std::vector<double> standing_chi2_;
+  NoiseScale noise_;
+  MotionGroups groups_;
+  ObjectTable objects_;
+};
+
+}  // namespace egomod

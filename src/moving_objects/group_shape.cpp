@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moving_objects/group_shape.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace egomod {
+
+PixelRect rectangle_of(std::span<const PointSample> points, Members members) {
+  Eigen::Vector2d low = points[members.front()].pixel_px;
+  Eigen::Vector2d high = low;
+  for (const auto i : members) {
+    low = low.cwiseMin(points[i].pixel_px);
+    high = high.cwiseMax(points[i].pixel_px);
+  }
+  return {static_cast<float>(low.x()), static_cast<float>(low.y()), static_cast<float>(high.x()),
+          static_cast<float>(high.y())};
+}
+
+Eigen::Vector3d mean_position(std::span<const PointSample> points, Members members) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const auto i : members) sum += points[i].position_m;
+  return sum / static_cast<double>(members.size());
+}
+
+Eigen::Vector3d mean_velocity(std::span<const PointSample> points, Members members) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const auto i : members) sum += points[i].velocity_mps;
+  return sum / static_cast<double>(members.size());
+}
+
+Eigen::Vector3d extent_of(std::span<const PointSample> points, Members members) {
+  Eigen::Vector3d low = points[members.front()].position_m;
+  Eigen::Vector3d high = low;
+  for (const auto i : members) {
+    low = low.cwiseMin(points[i].position_m);
+    high = high.cwiseMax(points[i].position_m);
+  }
+  return high - low;
+}
+
+float intersection_px2(const PixelRect& a, const PixelRect& b) {
+  const float width = std::min(a.u_max_px, b.u_max_px) - std::max(a.u_min_px, b.u_min_px) + 1.0F;
+  const float height = std::min(a.v_max_px, b.v_max_px) - std::max(a.v_min_px, b.v_min_px) + 1.0F;
+  return std::max(0.0F, width) * std::max(0.0F, height);
+}
+
+bool contains(const PixelRect& rectangle, const Eigen::Vector2d& pixel_px) {
+  return pixel_px.x() >= rectangle.u_min_px && pixel_px.x() <= rectangle.u_max_px &&
+         pixel_px.y() >= rectangle.v_min_px && pixel_px.y() <= rectangle.v_max_px;
+}
+
+double mean_variance_factor(std::size_t count, double correlation) {
+  return correlation + (1.0 - correlation) / static_cast<double>(count);
+}
+
+void set_mean_covariances(std::span<const PointSample> points, Members members, double correlation,
+                          MovingObject& object) {
+  object.position_covariance_m2.setZero();
+  object.velocity_covariance_m2ps2.setZero();
+  for (const auto i : members) {
+    object.position_covariance_m2 += points[i].position_covariance_m2;
+    object.velocity_covariance_m2ps2 += points[i].velocity_covariance_m2ps2;
+  }
+  const double factor =
+      mean_variance_factor(members.size(), correlation) / static_cast<double>(members.size());
+  object.position_covariance_m2 *= factor;
+  object.velocity_covariance_m2ps2 *= factor;
+}
+
+void set_speed(MovingObject& object) {
+  object.speed_mps = object.velocity_mps.norm();
+  const Eigen::Vector3d direction = object.speed_mps > 0.0
+                                        ? Eigen::Vector3d(object.velocity_mps / object.speed_mps)
+                                        : Eigen::Vector3d::UnitZ();
+  object.speed_sigma_mps =
+      std::sqrt(std::max(0.0, direction.dot(object.velocity_covariance_m2ps2 * direction)));
+}
+
+}  // namespace egomod

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "egomod/core/moving_objects.hpp"
+#include "moving_objects/grouping.hpp"
+#include "moving_objects/point_sample.hpp"
+
+namespace egomod {
+
+using Members = std::span<const Grouper::Index>;  // into a vector of PointSample
+
+// The rectangle of the extreme coordinates (thesis, section IV-C).
+[[nodiscard]] PixelRect rectangle_of(std::span<const PointSample> points, Members members);
+[[nodiscard]] Eigen::Vector3d mean_position(std::span<const PointSample> points, Members members);
+[[nodiscard]] Eigen::Vector3d mean_velocity(std::span<const PointSample> points, Members members);
+[[nodiscard]] Eigen::Vector3d extent_of(std::span<const PointSample> points, Members members);
+
+[[nodiscard]] float intersection_px2(const PixelRect& a, const PixelRect& b);
+[[nodiscard]] bool contains(const PixelRect& rectangle, const Eigen::Vector2d& pixel_px);
+
+// Variance of a mean of K values whose errors correlate by rho: sigma^2 * this.
+[[nodiscard]] double mean_variance_factor(std::size_t count, double correlation);
+
+// Covariances of the mean position and velocity of points whose errors correlate.
+void set_mean_covariances(std::span<const PointSample> points, Members members, double correlation,
+                          MovingObject& object);
+// Fills speed and its standard error from velocity and covariance.
+void set_speed(MovingObject& object);
+
+}  // namespace egomod

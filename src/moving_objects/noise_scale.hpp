@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+namespace egomod {
+
+// Covariances rank the tracks well and are off by a common factor: learns it from chi-squares (3
+// degrees of freedom) of points that stand still.
+class NoiseScale {
+ public:
+  // Reorders `chi2`, which were whitened with covariances times `value()`.
+  void learn(std::vector<double>& chi2);
+  [[nodiscard]] double value() const { return value_; }
+
+ private:
+  double value_ = 1.0;
+};
+
+}  // namespace egomod

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moving_objects/object_table.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "moving_objects/group_shape.hpp"
+
+namespace egomod {
+namespace {
+
+constexpr double kReclaimDistance_m = 0.5;  // an object without tracks is found again this near,
+constexpr double kReclaimDrift_mps = 0.3;   // growing with the time that it was unseen,
+constexpr double kReclaimSpeed_mps = 0.3;   // at a velocity this similar
+constexpr double kReclaimSpeedShare = 0.1;
+constexpr double kTentative_s = 0.3;      // a tentative object without evidence ends
+constexpr double kLeaveChi2 = 25.0;       // a member this far off leaves
+constexpr double kKeepPurityShare = 0.5;  // of the purity that opens an object
+constexpr double kEvidenceMemory = 0.9;   // of one pair
+constexpr double kMostEvidencePerPair = 40.0;
+constexpr double kPartGapShare = 0.25;  // of the larger one's extent, across the line of sight
+constexpr double kPartDepthShare = 0.5;
+constexpr double kPartSpeed_mps = 0.05;  // plus a share of the speed, 99 % and rotation
+constexpr double kPartSpeedShare = 0.03;
+constexpr double kPartChi2 = 11.34;
+constexpr std::size_t kLeastPoints = MotionGroups::kLeastPoints;
+
+// Free space between two boxes along each axis.
+Eigen::Vector3d gap_m(const MovingObject& a, const MovingObject& b) {
+  return ((a.position_m - b.position_m).cwiseAbs() - 0.5 * (a.extent_m + b.extent_m)).cwiseMax(0.0);
+}
+
+bool are_near(const MovingObjectsConfig& config, const MovingObject& a, const MovingObject& b) {
+  const Eigen::Vector3d gap = gap_m(a, b);
+  const double size_m = std::max(a.extent_m.maxCoeff(), b.extent_m.maxCoeff());
+  const double sigma_m = std::sqrt(a.position_covariance_m2(2, 2) + b.position_covariance_m2(2, 2));
+  return gap.head<2>().norm() < std::max(config.neighbour_distance_m, kPartGapShare * size_m) &&
+         gap.z() < std::max(config.neighbour_depth_m, kPartDepthShare * size_m) + 2.5 * sigma_m;
+}
+
+bool move_as_one(const MovingObject& a, const MovingObject& b) {
+  const double slack_mps = kPartSpeed_mps + kPartSpeedShare * std::max(a.speed_mps, b.speed_mps);
+  const Eigen::Vector3d dv = a.velocity_mps - b.velocity_mps;
+  const Eigen::Matrix3d S = a.velocity_covariance_m2ps2 + b.velocity_covariance_m2ps2 +
+                            slack_mps * slack_mps / kPartChi2 * Eigen::Matrix3d::Identity();
+  return dv.dot(S.inverse() * dv) < kPartChi2;
+}
+
+}  // namespace
+
+ObjectTable::ObjectTable(const MovingObjectsConfig& config, const ObjectGates& gates)
+    : config_(config), gates_(gates) {
+  objects_.reserve(kMostObjects);
+  for (auto* ids : {&track_ids_, &previous_track_ids_}) ids->reserve(kReservedTracks);
+  for (auto* owners : {&owners_, &previous_owners_}) owners->reserve(kReservedTracks);
+  members_.reserve(kReservedTracks);
+}
+
+void ObjectTable::predict(const TrackSet& tracks, const Egomotion& motion) {
+  const double elapsed_s = to_seconds(tracks.exposure - now_);
+  const Eigen::Isometry3d T_current_previous = motion.T_previous_current.inverse();
+  now_ = tracks.exposure;
+  for (Tracked& tracked : objects_) {
+    MovingObject& object = tracked.object;
+    const Eigen::Vector3d moved_m = object.position_m + elapsed_s * object.velocity_mps;
+    object.position_m = T_current_previous * moved_m;
+    object.velocity_mps = T_current_previous.linear() * object.velocity_mps;
+    object.points = 0;
+    tracked.evident = false;
+  }
+  owners_.swap(previous_owners_);
+  track_ids_.swap(previous_track_ids_);
+  owners_.assign(tracks.tracks.size(), 0);
+  track_ids_.clear();
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < tracks.tracks.size(); ++i) {
+    const std::uint64_t id = tracks.tracks[i].id;
+    track_ids_.push_back(id);
+    while (k < previous_track_ids_.size() && previous_track_ids_[k] < id) ++k;
+    if (k < previous_track_ids_.size() && previous_track_ids_[k] == id) {
+      owners_[i] = previous_owners_[k];
+    }
+  }
+}
+
+ObjectTable::Tracked* ObjectTable::by_tracks(std::span<const PointSample> points, Members members) {
+  Tracked* best = nullptr;
+  std::ptrdiff_t best_shared = 0;
+  for (Tracked& tracked : objects_) {
+    const std::ptrdiff_t shared = std::count_if(members.begin(), members.end(), [&](auto i) {
+      return owners_[points[i].track] == tracked.object.id;
+    });
+    if (shared > best_shared) {
+      best = &tracked;
+      best_shared = shared;
+    }
+  }
+  return best;
+}
+
+ObjectTable::Tracked* ObjectTable::by_place(const MotionGroup& group) {
+  for (Tracked& tracked : objects_) {
+    const MovingObject& object = tracked.object;
+    const double unseen_s = to_seconds(now_ - tracked.last_evidence);
+    if (!tracked.evident &&
+        (object.position_m - group.position_m).norm() <
+            kReclaimDistance_m + kReclaimDrift_mps * unseen_s &&
+        (object.velocity_mps - group.velocity_mps).norm() <
+            kReclaimSpeed_mps + kReclaimSpeedShare * group.velocity_mps.norm()) {
+      return &tracked;
+    }
+  }
+  return nullptr;
+}
+
+// Only a group that passes every gate opens an object; later a smaller one keeps it.
+ObjectTable::Tracked* ObjectTable::create(const MotionGroup& group) {
+  if (group.count < static_cast<std::size_t>(config_.min_points) ||
+      group.purity < config_.min_purity || group.echoes || group.chi2() < config_.object_chi2 ||
+      group.evidence < gates_.min_evidence || objects_.size() == kMostObjects) {
+    return nullptr;
+  }
+  Tracked tracked;
+  tracked.object.id = ++last_id_;
+  tracked.first = now_;
+  tracked.last_evidence = now_;
+  objects_.push_back(tracked);
+  return &objects_.back();
+}
+
+void ObjectTable::associate(std::span<const PointSample> points, const MotionGroups& finder,
+                            std::span<const MotionGroup> groups) {
+  for (const MotionGroup& group : groups) {
+    if (group.slides || group.velocity_mps.norm() < gates_.min_speed_mps) continue;
+    const Members members = finder.members(group);
+    Tracked* tracked = by_tracks(points, members);
+    if (tracked == nullptr) tracked = by_place(group);
+    if (tracked == nullptr) tracked = create(group);
+    if (tracked == nullptr) continue;
+    if (!tracked->evident) {
+      tracked->evident = true;
+      tracked->evidence = kEvidenceMemory * tracked->evidence +
+                          std::clamp(group.evidence, 0.0, kMostEvidencePerPair);
+      tracked->object.velocity_mps = group.velocity_mps;
+      tracked->object.velocity_covariance_m2ps2 = group.velocity_covariance_m2ps2;
+    }
+    for (const auto i : members) owners_[points[i].track] = tracked->object.id;
+  }
+}
+
+void ObjectTable::update(const StereoCamera& camera, std::span<const PointSample> points,
+                         bool motion_is_valid) {
+  for (Tracked& tracked : objects_) {
+    collect(points, tracked);
+    const std::size_t least =
+        tracked.confirmed ? kLeastPoints : static_cast<std::size_t>(config_.min_points);
+    tracked.evident = tracked.evident && members_.size() >= least &&
+                      purity_of(points, members_) >= kKeepPurityShare * config_.min_purity;
+    if (!tracked.evident) {
+      coast(points, tracked);
+      continue;
+    }
+    ++tracked.pairs;
+    tracked.last_evidence = now_;
+    measure(camera, points, tracked);
+    const bool proven = tracked.pairs >= gates_.confirm_pairs &&
+                        to_seconds(now_ - tracked.first) >= gates_.confirm_s &&
+                        tracked.evidence >= gates_.confirm_evidence;
+    tracked.confirmed = tracked.confirmed || (proven && motion_is_valid);
+    tracked.object.state = tracked.confirmed ? ObjectState::kMoving : ObjectState::kTentative;
+  }
+  absorb_parts(camera, points);
+  std::erase_if(objects_, [this](const Tracked& tracked) { return is_lost(tracked); });
+}
+
+// A large body shows its texture in islands further apart than neighbours are: the younger of two
+// objects with one velocity, whose gap is small for their size, is part of the older one.
+void ObjectTable::absorb_parts(const StereoCamera& camera, std::span<const PointSample> points) {
+  for (auto older = objects_.begin(); older != objects_.end(); ++older) {
+    const auto is_part = [&](const Tracked& younger) {
+      if (!older->evident || !younger.evident ||
+          !are_near(config_, older->object, younger.object) ||
+          !move_as_one(older->object, younger.object))
+        return false;
+      std::replace(owners_.begin(), owners_.end(), younger.object.id, older->object.id);
+      older->confirmed = older->confirmed || younger.confirmed;
+      return true;
+    };
+    const auto parts = std::remove_if(older + 1, objects_.end(), is_part);
+    if (parts == objects_.end()) continue;
+    objects_.erase(parts, objects_.end());
+    collect(points, *older);
+    measure(camera, points, *older);
+    if (older->confirmed) older->object.state = ObjectState::kMoving;
+  }
+}
+
+// One wrong member blows a rectangle of extremes up: whoever "static" explains better leaves.
+bool ObjectTable::belongs(const PointSample& point, const Tracked& tracked) const {
+  const double against = velocity_chi2(point, tracked.object.velocity_mps);
+  return against < kLeaveChi2 && (point.moves || against < point.chi2);
+}
+
+void ObjectTable::collect(std::span<const PointSample> points, const Tracked& tracked) {
+  members_.clear();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::int64_t& owner = owners_[points[i].track];
+    if (owner != tracked.object.id) continue;
+    if (!tracked.evident || belongs(points[i], tracked)) {
+      members_.push_back(static_cast<Grouper::Index>(i));
+    } else {
+      owner = 0;
+    }
+  }
+}
+
+void ObjectTable::measure(const StereoCamera& camera, std::span<const PointSample> points,
+                          Tracked& tracked) {
+  MovingObject& object = tracked.object;
+  const double rho = config_.error_correlation;
+  set_mean_covariances(points, members_, rho, object);
+  const MeanVelocity mean = weighted_velocity(points, members_, rho);
+  object.velocity_mps = mean.velocity_mps;
+  object.velocity_covariance_m2ps2 = mean.covariance_m2ps2;
+  object.rectangle = rectangle_of(points, members_);
+  object.extent_m = extent_of(points, members_);
+  object.points = static_cast<int>(members_.size());
+  // Features sit where the texture is: the ray through the rectangle's centre at their depth is
+  // nearer to the centre of the visible surface than their mean.
+  const double z_m = mean_position(points, members_).z();
+  const PixelRect& r = object.rectangle;
+  object.position_m = {(0.5 * (r.u_min_px + r.u_max_px) - camera.cx_px) / camera.fx_px * z_m,
+                       (0.5 * (r.v_min_px + r.v_max_px) - camera.cy_px) / camera.fy_px * z_m, z_m};
+  object.age_s = to_seconds(now_ - tracked.first);
+  set_speed(object);
+  object.motion_probability = logistic(motion_log_ratio(
+      object.velocity_mps, object.velocity_covariance_m2ps2, config_.velocity_prior_mps));
+}
+
+// Without a group of its own: does it rest, or is it only not seen?
+void ObjectTable::coast(std::span<const PointSample> points, Tracked& tracked) {
+  const auto still =
+      std::count_if(members_.begin(), members_.end(), [&](auto i) { return points[i].stands; });
+  const auto count = static_cast<std::ptrdiff_t>(members_.size());
+  const bool stopped = still >= static_cast<std::ptrdiff_t>(kLeastPoints) && 2 * still > count;
+  MovingObject& object = tracked.object;
+  object.points = static_cast<int>(count);
+  object.age_s = to_seconds(now_ - tracked.first);
+  if (!tracked.confirmed) return;
+  object.state = stopped ? ObjectState::kStopped : ObjectState::kCoasting;
+}
+
+bool ObjectTable::is_lost(const Tracked& tracked) const {
+  const double patience_s = tracked.confirmed ? config_.coast_s : kTentative_s;
+  return to_seconds(now_ - tracked.last_evidence) > patience_s ||
+         !tracked.object.position_m.allFinite() || !tracked.object.velocity_mps.allFinite();
+}
+
+void ObjectTable::report(std::vector<MovingObject>& objects) const {
+  for (const Tracked& tracked : objects_) objects.push_back(tracked.object);
+}
+
+}  // namespace egomod

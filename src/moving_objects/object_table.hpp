@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "egomod/core/egomotion.hpp"
+#include "egomod/core/moving_objects.hpp"
+#include "egomod/core/track_set.hpp"
+#include "egomod/moving_objects/moving_objects_config.hpp"
+#include "moving_objects/motion_groups.hpp"
+#include "moving_objects/point_sample.hpp"
+
+namespace egomod {
+
+// What a group must show beyond its size and purity.
+struct ObjectGates {
+  double min_speed_mps = 0.0;
+  double min_evidence = -std::numeric_limits<double>::infinity();  // to become an object
+  double confirm_evidence = 0.0;  // to become MOVING, in a leaky sum over pairs
+  int confirm_pairs = 1;
+  double confirm_s = 0.0;
+};
+
+// Objects over time: names that stick to their tracks, evidence before MOVING, coasting and end.
+// Bounded: at most `kMostObjects` at a time.
+class ObjectTable {
+ public:
+  ObjectTable(const MovingObjectsConfig& config, const ObjectGates& gates);
+
+  // Objects move on to the current pair; tracks keep their owners.
+  void predict(const TrackSet& tracks, const Egomotion& motion);
+  // Gives each group to an object: by shared tracks, else by place and velocity, else a new one.
+  void associate(std::span<const PointSample> points, const MotionGroups& finder,
+                 std::span<const MotionGroup> groups);
+  // Measures the objects by their own points, decides their states, forgets the lost ones.
+  void update(const StereoCamera& camera, std::span<const PointSample> points,
+              bool motion_is_valid);
+
+  void report(std::vector<MovingObject>& objects) const;
+  [[nodiscard]] std::int64_t owner(std::size_t track) const { return owners_[track]; }
+
+  static constexpr std::size_t kMostObjects = kReservedObjects;
+
+ private:
+  struct Tracked {
+    MovingObject object;
+    Nanoseconds first{0};
+    Nanoseconds last_evidence{0};
+    int pairs = 0;          // with evidence
+    double evidence = 0.0;  // of its groups, leaky
+    bool evident = false;   // a group of this pair is its own
+    bool confirmed = false;
+  };
+
+  [[nodiscard]] Tracked* by_tracks(std::span<const PointSample> points, Members members);
+  [[nodiscard]] Tracked* by_place(const MotionGroup& group);
+  [[nodiscard]] Tracked* create(const MotionGroup& group);
+  [[nodiscard]] bool belongs(const PointSample& point, const Tracked& tracked) const;
+  void collect(std::span<const PointSample> points, const Tracked& tracked);
+  void measure(const StereoCamera& camera, std::span<const PointSample> points, Tracked& tracked);
+  void absorb_parts(const StereoCamera& camera, std::span<const PointSample> points);
+  void coast(std::span<const PointSample> points, Tracked& tracked);
+  [[nodiscard]] bool is_lost(const Tracked& tracked) const;
+
+  const MovingObjectsConfig config_;
+  const ObjectGates gates_;
+  Nanoseconds now_{0};
+  std::vector<Tracked> objects_;
+  std::vector<std::int64_t> owners_;  // parallel to TrackSet::tracks
+  std::vector<std::uint64_t> track_ids_;
+  std::vector<std::int64_t> previous_owners_;
+  std::vector<std::uint64_t> previous_track_ids_;
+  std::vector<Grouper::Index> members_;
+  std::int64_t last_id_ = 0;
+};
+
+}  // namespace egomod

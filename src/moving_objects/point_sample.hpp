@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "egomod/core/calibration.hpp"
+#include "egomod/core/egomotion.hpp"
+#include "egomod/core/moving_objects.hpp"
+#include "egomod/core/track_set.hpp"
+
+namespace egomod {
+
+// More only cost an allocation, once.
+inline constexpr std::size_t kReservedTracks = 2048;
+inline constexpr std::size_t kReservedObjects = 64;
+
+// One track measured in two pairs, seen from the later one (left camera axes).
+struct PointSample {
+  std::size_t track = 0;  // index into TrackSet::tracks
+  Eigen::Vector2d pixel_px = Eigen::Vector2d::Zero();
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d position_covariance_m2 = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();  // relative to the static world
+  Eigen::Matrix3d velocity_covariance_m2ps2 = Eigen::Matrix3d::Zero();
+  double chi2 = 0.0;  // of the displacement under "static", 3 degrees of freedom
+  double motion_probability = 0.0;
+  double evidence = 0.0;  // log likelihood ratio, moving over static
+  bool moves = false;
+  bool stands = false;  // neither of them: no opinion
+};
+
+// Finite, positive disparity, nearer than `max_depth_m`, usable covariance.
+[[nodiscard]] bool is_usable(const StereoCamera& camera, const StereoObservation& observation,
+                             double max_depth_m);
+
+// The step from the reference pair to this one, and the noise that no single image tells.
+struct Step {
+  Eigen::Isometry3d T_current_reference = Eigen::Isometry3d::Identity();
+  Matrix6d motion_covariance = Matrix6d::Zero();  // of T_reference_current, right perturbation
+  double duration_s = 0.0;
+  double floor_px = 0.0;
+  double disparity_bias_px = 0.0;  // common to both observations
+  double flow_error_share = 0.0;   // of the length of a static point's path
+};
+
+// Residual in (u, v, disparity), where noise is near Gaussian, under "static".
+struct Residual {
+  Eigen::Vector3d value_px;
+  Eigen::Matrix3d covariance_px2;
+  // d(residual) / d(xi) of T_reference_current * Exp(xi).
+  Eigen::Matrix<double, 3, 6> motion_jacobian;
+};
+
+[[nodiscard]] Residual static_residual(const StereoCamera& camera,
+                                       const StereoObservation& reference,
+                                       const StereoObservation& current, const Step& step);
+
+// Position, velocity and whitened displacement of one point: thesis eqs. 21-25 with the noise
+// carried along. Both observations must be usable.
+[[nodiscard]] PointSample measure_point(const StereoCamera& camera,
+                                        const StereoObservation& reference,
+                                        const StereoObservation& current, const Step& step);
+
+// Log likelihood ratio of "moves with a velocity from N(0, prior^2 I)" over "static" for a measured
+// velocity: the broad prior pays for its width (Occam), so that noise alone speaks for "static".
+[[nodiscard]] double motion_log_ratio(const Eigen::Vector3d& velocity_mps,
+                                      const Eigen::Matrix3d& covariance_m2ps2, double prior_mps);
+[[nodiscard]] double logistic(double x);
+
+// True when the pair was tracked and can be spoken about at all.
+[[nodiscard]] bool has_run(const TrackSet& tracks, const Egomotion& motion);
+[[nodiscard]] bool is_finite(const Eigen::Isometry3d& T);
+// Of the rig over the last pair, in current left camera axes; zero when it is unknown.
+[[nodiscard]] Eigen::Vector3d rig_velocity(const Egomotion& motion);
+// Clears `objects` for this pair, keeping its memory.
+void begin(const TrackSet& tracks, bool ran, MovingObjects& objects);
+
+}  // namespace egomod

@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "egomod/moving_objects/moving_object_detector.hpp"
+#include "synthetic_tracks.hpp"
+
+namespace egomod {
+namespace {
+
+using synthetic::World;
+
+class Filter : public ::testing::Test {
+ protected:
+  Filter() {
+    world.pixel_sigma = 0.18;
+    world.disparity_sigma_px = 0.25;
+  }
+  const MovingObjects& run(int pair, EstimateStatus status = EstimateStatus::kValid) {
+    const TrackSet tracks = world.tracks(pair);
+    Egomotion motion = world.motion(tracks, pair);
+    if (pair > 0) motion.status = status;
+    detector.detect(tracks, motion, objects);
+    return objects;
+  }
+  [[nodiscard]] int count(ObjectState state) const {
+    return static_cast<int>(std::count_if(objects.objects.begin(), objects.objects.end(),
+                                          [&](const auto& o) { return o.state == state; }));
+  }
+  [[nodiscard]] int moving() const { return count(ObjectState::kMoving); }
+  // Time from the start of the world to the first MOVING; 1000 when there is none by `limit_s`.
+  double delay_s(double limit_s) {
+    for (int pair = 0; world.time_s(pair) <= limit_s; ++pair) {
+      run(pair);
+      if (moving() > 0) return world.time_s(pair);
+    }
+    return 1000.0;
+  }
+  void rest_rig() {
+    world.rig_velocity_mps.setZero();
+    world.rig_yaw_rate_radps = 0.0;
+  }
+  // From this pair on the points from `first` on move with another velocity.
+  void turn(int pair, std::size_t first, const Eigen::Vector3d& velocity_mps) {
+    for (std::size_t i = first; i < world.points.size(); ++i) {
+      synthetic::Point& point = world.points[i];
+      point.at_start_m += world.time_s(pair) * (point.velocity_mps - velocity_mps);
+      point.velocity_mps = velocity_mps;
+    }
+  }
+
+  World world;
+  MovingObjectDetector detector{{.method = MovingObjectsMethod::kFilter}};
+  MovingObjects objects;
+};
+
+struct Delay {
+  double depth_m;
+  Eigen::Vector3d velocity_mps;
+  double limit_s;
+};
+
+class FilterDelay : public Filter, public ::testing::WithParamInterface<Delay> {};
+
+TEST_P(FilterDelay, MoverIsFoundInTime) {
+  const Delay& p = GetParam();
+  world.add_background(400);
+  world.add_box(40, {-0.5, 0.1, p.depth_m}, {0.6, 0.6, 0.4}, p.velocity_mps);
+  EXPECT_LE(delay_s(3.0), p.limit_s);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    At30Hz, FilterDelay,
+    ::testing::Values(Delay{5.0, {0.4, 0.0, 0.0}, 0.11}, Delay{12.0, {0.4, 0.0, 0.0}, 0.2},
+                      Delay{3.0, {0.1, 0.0, 0.0}, 0.3}, Delay{6.0, {0.05, 0.0, 0.0}, 1.0},
+                      Delay{5.0, {0.0, 0.0, 0.4}, 0.3}, Delay{8.0, {0.0, 0.0, 0.4}, 0.7},
+                      Delay{12.0, {0.0, 0.0, -0.4}, 1.5}, Delay{5.0, {0.0, 0.0, 0.1}, 1.5}));
+
+class FilterRate : public Filter, public ::testing::WithParamInterface<double> {};
+
+TEST_P(FilterRate, VelocityIsAsTrueAsItsErrorSays) {
+  world.rate_hz = GetParam();
+  world.add_background(400);
+  world.add_box(40, {-0.8, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.4, 0.0, 0.2});
+  int pair = 0;
+  for (; world.time_s(pair) <= 2.0 || pair < 4; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  const MovingObject& object = objects.objects.front();
+  const Eigen::Vector3d truth_mps = world.velocity_in_camera(400, pair - 1);
+  EXPECT_LT((object.velocity_mps - truth_mps).norm(), 0.05);
+  EXPECT_LT((object.velocity_mps - truth_mps).norm(), 4.0 * object.speed_sigma_mps);
+  EXPECT_GT(object.motion_probability, 0.99);
+}
+
+TEST_P(FilterRate, NoiseIsNoObject) {
+  world.rate_hz = GetParam();
+  world.rig_velocity_mps = {0.0, 0.0, 0.05};
+  world.rig_yaw_rate_radps = 0.005;
+  world.add_background(500, 6.0, 15.0);
+  for (int pair = 0; pair < 1000; ++pair) {
+    run(pair);
+    ASSERT_EQ(moving(), 0) << "pair " << pair;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Rates, FilterRate, ::testing::Values(30.0, 10.0));
+
+TEST_F(Filter, WorksAtOneHertz) {
+  world.rate_hz = 1.0;
+  world.add_background(300);
+  world.add_box(30, {-0.8, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.3, 0.0, 0.0});
+  for (int pair = 0; pair < 5; ++pair) run(pair);
+  EXPECT_EQ(moving(), 1);
+}
+
+TEST_F(Filter, SpeedOfACarNeedsNoOtherParameters) {
+  world.rate_hz = 10.0;
+  world.rig_velocity_mps = {0.0, 0.0, 11.0};
+  world.rig_yaw_rate_radps = 0.0;
+  world.add_background(300, 20.0, 35.0);
+  world.add_box(40, {2.0, 0.5, 9.0}, {1.7, 1.4, 2.0}, {0.0, 0.0, 14.0});
+  int pair = 0;
+  for (; pair < 8; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  EXPECT_NEAR(objects.objects.front().velocity_mps.z(), 14.0, 0.3);
+}
+
+TEST_F(Filter, TwoSideBySideWithOneVelocityStayTwo) {
+  world.add_background(300);
+  world.add_box(40, {-0.8, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.0, 0.0, 0.4});
+  world.add_box(40, {0.5, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.0, 0.0, 0.4});
+  for (int pair = 0; pair < 40; ++pair) run(pair);
+  EXPECT_EQ(moving(), 2);
+}
+
+TEST_F(Filter, OverlappingObjectsAreSplitByVelocity) {
+  world.add_background(300);
+  world.add_box(30, {0.0, 0.1, 5.0}, {0.4, 0.5, 0.4}, {0.5, 0.0, 0.0});
+  world.add_box(30, {0.0, 0.1, 5.0}, {0.4, 0.5, 0.4}, {-0.5, 0.0, 0.0});
+  for (int pair = 0; pair < 15; ++pair) run(pair);
+  EXPECT_EQ(moving(), 2);
+}
+
+TEST_F(Filter, IslandsOfOneLargeBodyAreOneObject) {
+  world.rate_hz = 10.0;
+  world.add_background(300, 20.0, 30.0);
+  world.add_box(30, {1.0, 0.5, 8.0}, {0.6, 1.2, 1.5}, {0.0, 0.0, 6.0});
+  world.add_box(30, {2.2, 0.5, 8.5}, {0.6, 1.2, 3.0}, {0.0, 0.0, 6.0});
+  for (int pair = 0; pair < 8; ++pair) run(pair);
+  EXPECT_EQ(moving(), 1);
+}
+
+TEST_F(Filter, IdentityOutlastsOneSecondOutOfSight) {
+  rest_rig();
+  world.add_background(300);
+  world.add_box(40, {-1.0, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.5, 0.0, 0.0});
+  int pair = 0;
+  for (; pair < 30; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  const std::int64_t id = objects.objects.front().id;
+  for (std::size_t i = 300; i < 340; ++i) world.points[i].at_start_m.y() += 50.0;
+  for (; pair < 60; ++pair) {
+    run(pair);
+    ASSERT_EQ(objects.objects.size(), 1U);
+    EXPECT_TRUE(pair < 32 || objects.objects.front().state == ObjectState::kCoasting);
+  }
+  for (std::size_t i = 300; i < 340; ++i) world.points[i].at_start_m.y() -= 50.0;
+  for (; pair < 75; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  EXPECT_EQ(objects.objects.front().id, id);
+}
+
+TEST_F(Filter, StopIsSeenAndStartIsSeenAgain) {
+  rest_rig();
+  world.add_background(300);
+  world.add_box(40, {-0.5, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.5, 0.0, 0.0});
+  int pair = 0;
+  for (; pair < 30; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  const std::int64_t id = objects.objects.front().id;
+  turn(pair, 300, {0.0, 0.0, 0.0});
+  for (; pair < 45; ++pair) run(pair);
+  EXPECT_EQ(count(ObjectState::kStopped), 1);
+  turn(pair, 300, {0.5, 0.0, 0.0});
+  for (; pair < 60; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  EXPECT_EQ(objects.objects.front().id, id);
+}
+
+TEST_F(Filter, WhatStartsAfterLongRestIsFound) {
+  rest_rig();
+  world.add_background(300);
+  world.add_box(40, {-0.5, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.0, 0.0, 0.0});
+  int pair = 0;
+  for (; pair < 100; ++pair) run(pair);
+  turn(pair, 300, {0.15, 0.0, 0.0});
+  for (; pair < 121; ++pair) run(pair);
+  EXPECT_EQ(moving(), 1);
+}
+
+TEST_F(Filter, EchoOfRepeatedTextureIsNoObject) {
+  world.rig_velocity_mps = {0.0, 0.0, 0.3};
+  world.rig_yaw_rate_radps = 0.0;
+  world.add_background(600, 9.5, 10.5);
+  // Matched one period off: at a fifth of its depth it seems to follow the rig.
+  world.add_box(12, {0.0, 0.0, 2.0}, {0.2, 0.2, 0.02}, {0.0, 0.0, 0.8 * 0.3});
+  for (int pair = 0; pair < 60; ++pair) {
+    run(pair);
+    ASSERT_EQ(moving(), 0) << "pair " << pair;
+  }
+}
+
+TEST_F(Filter, AmbiguousMotionConfirmsNothing) {
+  world.add_background(300);
+  world.add_box(40, {-0.5, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.5, 0.0, 0.0});
+  for (int pair = 0; pair < 20; ++pair) {
+    run(pair, EstimateStatus::kAmbiguous);
+    EXPECT_EQ(moving(), 0);
+  }
+  EXPECT_GT(count(ObjectState::kTentative), 0);
+}
+
+TEST_F(Filter, FailedPairsInBetweenAreBridged) {
+  rest_rig();
+  world.add_background(300);
+  world.add_box(40, {-0.5, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.5, 0.0, 0.0});
+  for (int pair = 0; pair < 20; ++pair) run(pair);
+  const std::int64_t id = objects.objects.front().id;
+  for (int pair = 20; pair < 25; ++pair) run(pair, EstimateStatus::kFailed);
+  EXPECT_TRUE(objects.has_run);
+  EXPECT_EQ(moving(), 0);
+  for (int pair = 25; pair < 28; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  EXPECT_EQ(objects.objects.front().id, id);
+}
+
+TEST_F(Filter, ResetForgetsThePast) {
+  world.add_background(300);
+  for (int pair = 0; pair < 20; ++pair) run(pair);
+  // After the reset the pose starts elsewhere: compared with the past everything would fly.
+  for (int pair = 20; pair < 50; ++pair) {
+    const TrackSet tracks = world.tracks(pair);
+    Egomotion motion = world.motion(tracks, pair);
+    motion.reset_count = 1;
+    motion.T_first_current.translation().x() += 3.0;
+    detector.detect(tracks, motion, objects);
+    EXPECT_TRUE(objects.objects.empty());
+  }
+}
+
+TEST_F(Filter, SlowAxialMotionFarAwayIsUnobservableAtFirst) {
+  world.add_background(100, 20.0, 30.0);
+  run(0);
+  run(1);
+  for (const PointMotion& point : objects.points) {
+    EXPECT_EQ(point.state, PointState::kUnobservable);
+  }
+}
+
+TEST_F(Filter, SameInputGivesTheSameBytes) {
+  std::vector<double> speeds[2];
+  for (auto& run_speeds : speeds) {
+    World same(7);
+    same.pixel_sigma = 0.2;
+    same.disparity_sigma_px = 0.3;
+    same.add_background(300);
+    same.add_box(40, {-0.5, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.5, 0.0, 0.0});
+    MovingObjectDetector fresh({.method = MovingObjectsMethod::kFilter});
+    for (int pair = 0; pair < 30; ++pair) {
+      const TrackSet tracks = same.tracks(pair);
+      fresh.detect(tracks, same.motion(tracks, pair), objects);
+      for (const PointMotion& point : objects.points) run_speeds.push_back(point.velocity_mps.x());
+    }
+  }
+  EXPECT_EQ(speeds[0], speeds[1]);
+}
+
+TEST_F(Filter, NothingThatIsNotFiniteLeaves) {
+  world.add_background(300);
+  world.add_box(40, {-0.5, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.5, 0.0, 0.0});
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (int pair = 0; pair < 40; ++pair) {
+    TrackSet tracks = world.tracks(pair);
+    Egomotion motion = world.motion(tracks, pair);
+    for (std::size_t i = 0; i < tracks.tracks.size(); i += 7) {
+      tracks.tracks[i].current.disparity_px = static_cast<float>(nan);
+    }
+    if (pair == 10) motion.T_first_current.translation().x() = nan;
+    if (pair == 13) motion.T_previous_current.linear()(0, 0) = nan;
+    if (pair == 16) motion.covariance_previous_current(0, 0) = nan;
+    if (pair == 18) motion.roles.clear();
+    detector.detect(tracks, motion, objects);
+    for (const MovingObject& object : objects.objects) {
+      EXPECT_TRUE(object.position_m.allFinite() && object.velocity_mps.allFinite());
+      EXPECT_TRUE(std::isfinite(object.speed_mps) && std::isfinite(object.motion_probability));
+    }
+    for (const PointMotion& point : objects.points) EXPECT_TRUE(point.velocity_mps.allFinite());
+  }
+}
+
+}  // namespace
+}  // namespace egomod

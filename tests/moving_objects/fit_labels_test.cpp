@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <egomod/calibration_t.hpp>
+#include <egomod/track_list_t.hpp>
+#include <filesystem>
+#include <fstream>
+#include <lcm/lcm-cpp.hpp>
+#include <string>
+#include <vector>
+
+#include "labels.hpp"
+#include "record_labels.hpp"
+
+namespace egomod::fit {
+namespace {
+
+using ::testing::DoubleNear;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class FitLabels : public ::testing::Test {
+ protected:
+  FitLabels()
+      : folder(std::filesystem::path(::testing::TempDir()) /
+               ::testing::UnitTest::GetInstance()->current_test_info()->name()) {
+    std::filesystem::remove_all(folder);
+    std::filesystem::create_directories(folder);
+  }
+  ~FitLabels() override { std::filesystem::remove_all(folder); }
+
+  std::string file(const std::string& name, const std::string& text) const {
+    std::ofstream(folder / name) << text;
+    return folder / name;
+  }
+  template <class Message>
+  void append(lcm::LogFile& log, const std::string& channel, const Message& message) const {
+    std::vector<unsigned char> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+    message.encode(bytes.data(), 0, message.getEncodedSize());
+    lcm::LogEvent event{};
+    event.channel = channel;
+    event.datalen = message.getEncodedSize();
+    event.data = bytes.data();
+    log.writeEvent(&event);
+  }
+  std::string error_of(const std::string& path) const {
+    try {
+      (void)read_labels(path);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+  const std::filesystem::path folder;
+};
+
+track_t track(float u, float v, float disparity, float speed_mps) {
+  track_t t{};
+  t.u = u;
+  t.v = v;
+  t.disparity = disparity;
+  t.state = track_t::STATE_STATIC;
+  t.vel[0] = speed_mps;
+  return t;
+}
+
+TEST_F(FitLabels, ColumnsAreFoundByName) {
+  const Labels labels =
+      read_labels(file("l.csv", "# made up\nid,moving,speed_mps\n7, 1 ,0.5\n\n8,0,0.1\r\n"));
+  EXPECT_THAT(labels.moving_mps, ElementsAre(0.5));
+  EXPECT_THAT(labels.static_mps, ElementsAre(0.1));
+}
+
+TEST_F(FitLabels, WrittenLabelsReadBack) {
+  write_labels(folder / "l.csv", {{0.1, 0.2}, {0.7}});
+  const Labels labels = read_labels(folder / "l.csv");
+  EXPECT_THAT(labels.static_mps, ElementsAre(0.1, 0.2));
+  EXPECT_THAT(labels.moving_mps, ElementsAre(0.7));
+}
+
+TEST_F(FitLabels, ErrorsNameFileAndLine) {
+  EXPECT_THAT(error_of(folder / "none.csv"), HasSubstr("none.csv: cannot be opened"));
+  EXPECT_THAT(error_of(file("a.csv", "")), HasSubstr("a.csv: is empty"));
+  EXPECT_THAT(error_of(file("b.csv", "speed,moving\n")), HasSubstr("b.csv:1: the header lacks"));
+  EXPECT_THAT(error_of(file("c.csv", "speed_mps,moving\n0.1,0\nx,1\n")), HasSubstr("c.csv:3: "));
+  EXPECT_THAT(error_of(file("d.csv", "speed_mps,moving\nnan,0\n")), HasSubstr("d.csv:2: "));
+  EXPECT_THAT(error_of(file("e.csv", "speed_mps,moving\n-1,0\n")), HasSubstr("negative"));
+  EXPECT_THAT(error_of(file("f.csv", "speed_mps,moving\n1,2\n")), HasSubstr("neither 0 nor 1"));
+  EXPECT_THAT(error_of(file("g.csv", "speed_mps,moving\n1\n")), HasSubstr("g.csv:2: has 1 cells"));
+}
+
+TEST_F(FitLabels, RecordIsLabelledByTheTruthsRectanglesAndDepths) {
+  file("objects.csv",
+       "frame,cz,bz,u_min,v_min,u_max,v_max,moving\n"
+       "4,3.9,4.1,100,100,200,200,1\n"
+       "4,8.0,8.0,300,300,310,310,0\n");
+  calibration_t calibration{};
+  calibration.fx = 500.0;
+  calibration.baseline = 0.4;
+  track_list_t list{};
+  list.sequence = 4;
+  list.tracks = {track(150, 150, 50.0F, 0.5F),   // on the object, 4 m
+                 track(150, 150, 20.0F, 0.25F),  // beside it, 10 m: left out
+                 track(50, 50, 20.0F, 0.125F),   // background
+                 track(305, 305, 25.0F, 0.75F),  // on an object at rest: left out
+                 track(150, 150, 0.0F, 0.9F)};   // without depth: left out
+  list.tracks.push_back(track(50, 50, 20.0F, 3.0F));
+  list.tracks.back().state = track_t::STATE_UNKNOWN;
+  list.n_tracks = static_cast<std::int32_t>(list.tracks.size());
+  {
+    lcm::LogFile log(folder / "log", "w");
+    append(log, "EGOMOD_CALIBRATION", calibration);
+    append(log, "EGOMOD_TRACKS", list);
+  }
+  const Labels labels = label_record(folder / "log", folder);
+  EXPECT_THAT(labels.moving_mps, ElementsAre(DoubleNear(0.5, 1e-6)));
+  EXPECT_THAT(labels.static_mps, ElementsAre(DoubleNear(0.125, 1e-6)));
+}
+
+TEST_F(FitLabels, RecordWithoutTracksSaysSo) {
+  file("objects.csv", "frame,cz,bz,u_min,v_min,u_max,v_max,moving\n");
+  {
+    lcm::LogFile log(folder / "log", "w");
+    append(log, "EGOMOD_CALIBRATION", calibration_t{});
+  }
+  EXPECT_THROW((void)label_record(folder / "log", folder), InputError);
+  EXPECT_THROW((void)label_record(folder / "none", folder), InputError);
+}
+
+}  // namespace
+}  // namespace egomod::fit
