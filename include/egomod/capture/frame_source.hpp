@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <stop_token>
+#include <string>
+
+#include "egomod/capture/capture_config.hpp"
+#include "egomod/core/stereo_pair.hpp"
+
+namespace egomod {
+
+// A source that cannot be opened: names file, line or device and the remedy.
+class SourceError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+enum class SourceState {
+  kPair,     // a pair was filled in
+  kEnd,      // the replay is over
+  kStopped,  // the stop token asked
+  kFailed,   // the rest cannot be read: `FrameSource::error()` says why; what came before is whole
+};
+
+// What a live source could not hand out.
+struct SourceCounters {
+  std::uint64_t lost_images = 0;       // never arrived: gaps in the exposures of the left camera
+  std::uint64_t dropped_images = 0;    // arrived too late, or nobody took them in time
+  std::uint64_t damaged_messages = 0;  // of a wrong type, or not whole
+};
+
+// Where stereo pairs come from: a folder, a log, the bus, cameras.
+// Threads: one caller; `next` blocks until a pair, the end or a stop request.
+class FrameSource {
+ public:
+  FrameSource() = default;
+  FrameSource(const FrameSource&) = delete;
+  FrameSource& operator=(const FrameSource&) = delete;
+  virtual ~FrameSource() = default;
+
+  // Fills `pair` in place: images rectified, in order of exposure, sequence counted by the source.
+  [[nodiscard]] virtual SourceState next(StereoPair& pair, std::stop_token stop) = 0;
+  [[nodiscard]] virtual bool is_replay() const = 0;
+  // Pairs in a replay, 0 if unknown: for progress.
+  [[nodiscard]] virtual std::uint64_t size() const { return 0; }
+  [[nodiscard]] virtual std::string error() const { return {}; }
+  // What the operator should know now: what the source waits for, and the remedy. Threads: any.
+  [[nodiscard]] virtual std::string notice() const { return {}; }
+  // Threads: any.
+  [[nodiscard]] virtual SourceCounters counters() const { return {}; }
+  // Takes effect between two pairs (a reload or EGOMOD_CALIBRATION_SET). Throws SourceError, and
+  // keeps the old one, if it cannot be right or is for other image sizes. Threads: any.
+  virtual void set_calibration(const Calibration& calibration) = 0;
+};
+
+// `spec` is the SPEC of --source: folder:DIR, log:FILE, lcm, ... Throws SourceError.
+// `rig_file` (may be empty) overrides the calibration that the source brings along.
+[[nodiscard]] std::unique_ptr<FrameSource> open_source(const std::string& spec,
+                                                       const CaptureConfig& config,
+                                                       const std::string& rig_file,
+                                                       const std::string& lcm_url);
+
+}  // namespace egomod

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/live_pairing.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace egomod {
+namespace {
+
+constexpr Nanoseconds kReordering = std::chrono::seconds(1);
+
+}  // namespace
+
+std::optional<std::size_t> LivePairing::Queue::insert(Entry entry) {
+  std::optional<std::size_t> displaced;
+  if (count == kCapacity) displaced = take(0).slot;
+  std::size_t at = count;
+  while (at > 0 && entries[at - 1].exposure > entry.exposure) {
+    entries[at] = entries[at - 1];
+    --at;
+  }
+  entries[at] = entry;
+  ++count;
+  return displaced;
+}
+
+LivePairing::Entry LivePairing::Queue::take(std::size_t index) {
+  const Entry taken = entries[index];
+  std::copy(entries.begin() + static_cast<std::ptrdiff_t>(index) + 1,
+            entries.begin() + static_cast<std::ptrdiff_t>(count),
+            entries.begin() + static_cast<std::ptrdiff_t>(index));
+  --count;
+  return taken;
+}
+
+std::optional<std::size_t> LivePairing::add_left(Entry entry) {
+  if (last_left_ && entry.exposure <= *last_left_) {
+    if (entry.exposure > *last_left_ - kReordering) return entry.slot;
+    step_back(entry.exposure);
+  }
+  return left_.insert(entry);
+}
+
+// What waits belongs to the old time, and would sort behind all that comes.
+void LivePairing::step_back(Nanoseconds exposure) {
+  has_stepped_back_ = true;
+  last_left_.reset();
+  for (Queue* queue : {&left_, &right_}) {
+    while (queue->count > 0 && queue->entries[queue->count - 1].exposure > exposure + kReordering &&
+           stale_count_ < stale_.size()) {
+      stale_[stale_count_++] = queue->take(queue->count - 1).slot;
+    }
+  }
+}
+
+std::optional<std::size_t> LivePairing::add_right(Entry entry) { return right_.insert(entry); }
+
+std::optional<std::size_t> LivePairing::nearest_right(Nanoseconds exposure) const {
+  std::optional<std::size_t> best;
+  for (std::size_t i = 0; i < right_.count; ++i) {
+    const auto skew = std::chrono::abs(right_.entries[i].exposure - exposure);
+    if (!best || skew < std::chrono::abs(right_.entries[*best].exposure - exposure)) best = i;
+  }
+  return best;
+}
+
+void LivePairing::note_gap(Decision& decision) {
+  const Nanoseconds exposure = decision.left.exposure;
+  const auto interval = interval_.median();
+  if (last_left_) {
+    const Nanoseconds gap = exposure - *last_left_;
+    if (interval && *interval > Nanoseconds(0)) {
+      const auto steps = (gap + *interval / 2) / *interval;
+      decision.lost = steps > 1 ? static_cast<std::uint64_t>(steps - 1) : 0;
+      decision.discontinuity = gap > kHoleIntervals * *interval;
+    }
+    if (!decision.discontinuity) interval_.add(gap);
+  }
+  decision.discontinuity = decision.discontinuity || has_stepped_back_;
+  has_stepped_back_ = false;
+  last_left_ = exposure;
+}
+
+std::optional<LivePairing::Decision> LivePairing::decide() {
+  if (left_.count == 0) return std::nullopt;
+  const Nanoseconds exposure = left_.entries[0].exposure;
+  const auto nearest = nearest_right(exposure);
+  const auto interval = interval_.median();
+  const Nanoseconds half = interval ? *interval / 2 : Nanoseconds::max();
+  const Nanoseconds limit = max_skew_s_ > 0.0 ? Nanoseconds(std::llround(max_skew_s_ * 1e9)) : half;
+  const bool has_passed = right_.count > 0 && right_.entries[right_.count - 1].exposure >= exposure;
+  const Nanoseconds skew =
+      nearest ? Nanoseconds(std::chrono::abs(right_.entries[*nearest].exposure - exposure))
+              : Nanoseconds::max();
+  const bool is_near = nearest && interval && skew <= std::min(limit, half);
+  if (!is_near && !has_passed && left_.count < kMaxWaiting) return std::nullopt;
+  Decision decision;
+  decision.left = left_.take(0);
+  decision.is_accepted = nearest && skew <= limit;
+  if (decision.is_accepted) decision.right = right_.take(*nearest);
+  note_gap(decision);
+  return decision;
+}
+
+std::optional<std::size_t> LivePairing::take_stale() {
+  if (stale_count_ > 0) return stale_[--stale_count_];
+  const auto interval = interval_.median();
+  if (!last_left_ || !interval || right_.count == 0) return std::nullopt;
+  // What is older still may be the first image after a step of the clock, ahead of its left one.
+  const Nanoseconds age = *last_left_ - right_.entries[0].exposure;
+  if (age < *interval || age > kReordering) return std::nullopt;
+  return right_.take(0).slot;
+}
+
+}  // namespace egomod

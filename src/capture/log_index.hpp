@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "capture/calibration_message.hpp"
+#include "capture/image_message.hpp"
+#include "capture/log_file.hpp"
+#include "egomod/capture/capture_config.hpp"
+
+namespace egomod {
+
+// An image of the log. `record.data_offset` counts from the start of the file.
+struct LogImage {
+  ImageRecord record;
+  int segment = 0;  // grows where the clock steps back by more than the reordering window
+};
+
+struct LogPair {
+  LogImage left;
+  LogImage right;  // the nearest one; of size 0 if there is none
+  bool is_accepted = false;
+  bool discontinuity = false;  // the first pair of a new segment
+};
+
+// All that a log has for capture, found in one pass that touches no pixels.
+struct LogIndex {
+  std::vector<LogPair> pairs;                  // in order of exposure
+  std::vector<TimedCalibration> calibrations;  // in order of the log
+  std::uint64_t damaged_messages = 0;
+};
+
+inline constexpr Nanoseconds kReorderingWindow = std::chrono::seconds(1);
+
+// Reads `log` from its beginning. Throws SourceError on a wrong type on a channel in use.
+[[nodiscard]] LogIndex index_log(LogFile& log, const CaptureConfig& config);
+
+}  // namespace egomod

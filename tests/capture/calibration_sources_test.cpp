@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "capture/rig_file.hpp"
+#include "folder_fixture.hpp"
+
+namespace egomod {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+constexpr const char* kRig = R"([rectified]
+size_px = [40, 30]
+fx_px = 100
+fy_px = 100.0
+cx_px = 20.0
+cy_px = 15.0
+baseline_m = 0.2
+)";
+
+class CalibrationSourcesTest : public TemporaryFolder {
+ protected:
+  std::string error_of_rig(const std::string& text) {
+    write("rig.toml", text);
+    try {
+      static_cast<void>(read_rig_file(path("rig.toml")));
+      return {};
+    } catch (const SourceError& problem) {
+      return problem.what();
+    }
+  }
+};
+
+TEST_F(CalibrationSourcesTest, RigFileOverridesTheFolder) {
+  write_kitti(1);
+  write("rig.toml", std::string(kRig) +
+                        "[T_body_camera]\ntranslation_m = [0.1, 0, 0.3]\nrpy_rad = [0, 0, 0]\n");
+  const auto source = open_source(spec(), {}, path("rig.toml"), "");
+  StereoPair pair;
+  ASSERT_EQ(source->next(pair, {}), SourceState::kPair);
+  EXPECT_EQ(pair.calibration.camera.fx_px, 100.0);
+  EXPECT_EQ(pair.calibration.T_body_camera.translation(), Eigen::Vector3d(0.1, 0.0, 0.3));
+  EXPECT_EQ(pair.calibration.T_body_camera.linear(), default_T_body_camera().linear());
+}
+
+TEST_F(CalibrationSourcesTest, RigFileErrorsNameLineAndKey) {
+  EXPECT_EQ(error_of_rig(kRig), "");
+  EXPECT_THAT(error_of_rig(std::string(kRig) + "focus = 1\n"),
+              AllOf(HasSubstr("rig.toml:8"), HasSubstr("rectified.focus")));
+  EXPECT_THAT(error_of_rig("[rectified]\nsize_px = [40]\n"),
+              AllOf(HasSubstr("rig.toml:2"), HasSubstr("size_px")));
+  EXPECT_THAT(error_of_rig("[rectified\n"), HasSubstr("rig.toml:1"));
+  EXPECT_THAT(error_of_rig(""), HasSubstr("rectified is missing"));
+}
+
+TEST_F(CalibrationSourcesTest, RawFolderIsRectified) {
+  write_kitti(1);
+  std::string text;
+  for (const std::string side : {"00", "01"}) {
+    text += "S_" + side + ": 40 30\nK_" + side + ": 100 0 19 0 100 15 0 0 1\nD_" + side +
+            ": 0 0 0 0 0\nR_rect_" + side + ": 1 0 0 0 1 0 0 0 1\nS_rect_" + side + ": 40 30\n";
+  }
+  text += "calib_time: 09-Jan-2012 13:57:47\nR_01: 1 0 0 0 1 0 0 0 1\nT_01: -0.2 0 0\n";
+  text += "P_rect_00: 100 0 20 0 0 100 15 0 0 0 1 0\nP_rect_01: 100 0 20 -20 0 100 15 0 0 0 1 0\n";
+  write("calib_full.txt", text);
+  write_png("image_0/000000.png", kWidth_px, kHeight_px, [](int u, int) { return 5 * u; });
+  const auto source = open_source(spec(), {}, "", "");
+  StereoPair pair;
+  ASSERT_EQ(source->next(pair, {}), SourceState::kPair);
+  EXPECT_NEAR(pair.calibration.camera.baseline_m, 0.2, 1e-12);
+  EXPECT_EQ(pair.left.row(10)[10], 45);  // one pixel to the right of where the raw camera saw it
+  EXPECT_EQ(pair.left.row(10)[0], 0);
+  write("calib_full.txt", text + "S_02: 1 2\nR_02: x\n");
+  EXPECT_EQ(error_of_opening(), "");
+  text.replace(text.find("40 30"), 5, "41 30");
+  write("calib_full.txt", text);
+  EXPECT_THAT(error_of_opening(), AllOf(HasSubstr("000000.png"), HasSubstr("41x30")));
+}
+
+TEST_F(CalibrationSourcesTest, EurocFolderIsPairedAndRectified) {
+  for (const int camera : {0, 1}) {
+    const std::string folder = "mav0/cam" + std::to_string(camera);
+    const std::string x = camera == 0 ? "0" : "0.11";
+    write(folder + "/sensor.yaml",
+          "sensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: [1, 0, 0, " + x +
+              ", 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\nresolution: [40, 30]\n"
+              "distortion_model: radial-tangential\nintrinsics: [50, 50, 19.5, 14.5]\n"
+              "distortion_coefficients: [-0.1, 0.01, 0, 0]\n");
+    write(folder + "/data.csv",
+          "#timestamp [ns],filename\n1403636579763555584,a.png\r\n1403636579813555456,b.png\n");
+    for (const char* name : {"a", "b"}) {
+      write_png(folder + "/data/" + name + ".png", 40, 30, [](int, int) { return 77; });
+    }
+  }
+  const auto source = open_source(spec(), {}, "", "");
+  EXPECT_EQ(source->size(), 2U);
+  StereoPair pair;
+  ASSERT_EQ(source->next(pair, {}), SourceState::kPair);
+  EXPECT_EQ(pair.utime_us(), 1403636579763556);
+  EXPECT_EQ(pair.status, PairStatus::kOk);
+  EXPECT_NEAR(pair.calibration.camera.baseline_m, 0.11, 1e-12);
+  EXPECT_EQ(pair.left.row(29)[39], 77);
+  EXPECT_TRUE(pair.calibration.T_body_camera.isApprox(default_T_body_camera()));
+  std::filesystem::remove(path("mav0/cam1/data/b.png"));
+  EXPECT_THAT(error_of_opening(), AllOf(HasSubstr("data.csv:3"), HasSubstr("b.png")));
+}
+
+}  // namespace
+}  // namespace egomod

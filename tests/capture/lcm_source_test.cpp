@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/lcm_source.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <lcm/lcm-cpp.hpp>
+#include <thread>
+
+#include "message_fixture.hpp"
+
+namespace egomod {
+namespace {
+
+class LcmSourceTest : public ::testing::Test {
+ protected:
+  void publish(std::int64_t utime_us, int grey) {
+    const auto message = stereo(grey_image(utime_us, grey), grey_image(utime_us, grey + 1));
+    bus_.publish("EGOMOD_IMAGES", &message);
+  }
+  void publish_calibration() {
+    const calibration_t message = rectified_calibration();
+    bus_.publish("EGOMOD_CALIBRATION", &message);
+  }
+
+  lcm::LCM bus_{"memq://"};
+  StereoPair pair_;
+};
+
+TEST_F(LcmSourceTest, GivesThePairsOfTheBusInOrder) {
+  const auto source = open_lcm_source(bus_, {}, "");
+  EXPECT_FALSE(source->is_replay());
+  EXPECT_THAT(source->notice(), ::testing::HasSubstr("waiting for EGOMOD_CALIBRATION"));
+  publish_calibration();
+  for (int i = 0; i < 5; ++i) {
+    publish(33000 * i, 10 * i);
+    ASSERT_EQ(source->next(pair_, {}), SourceState::kPair);
+    EXPECT_EQ(pair_.sequence, static_cast<std::uint64_t>(i));
+    EXPECT_EQ(pair_.utime_us(), 33000 * i);
+    EXPECT_EQ(pair_.status, PairStatus::kOk);
+    EXPECT_FALSE(pair_.discontinuity);
+    EXPECT_EQ(pair_.left.row(5)[5], 10 * i);
+    EXPECT_EQ(pair_.right.row(5)[5], 10 * i + 1);
+  }
+  EXPECT_EQ(source->notice(), "");
+}
+
+TEST_F(LcmSourceTest, CountsLostImagesAndMarksHolesAndClockSteps) {
+  const auto source = open_lcm_source(bus_, {}, "");
+  publish_calibration();
+  const std::vector<std::pair<int, bool>> stream{{0, false},      {33000, false},  {66000, false},
+                                                 {132000, false}, {5000000, true}, {5033000, false},
+                                                 {1000000, true}, {1033000, false}};
+  for (const auto& [utime_us, broken] : stream) {
+    publish(utime_us, 1);
+    ASSERT_EQ(source->next(pair_, {}), SourceState::kPair);
+    EXPECT_EQ(pair_.discontinuity, broken) << utime_us;
+    if (utime_us == 132000) {
+      EXPECT_EQ(source->counters().lost_images, 1U);
+    }
+  }
+}
+
+TEST_F(LcmSourceTest, TakesItsFirstCalibrationFromARequestAndRefusesOneThatCannotFit) {
+  const auto source = open_lcm_source(bus_, {}, "");
+  Calibration calibration;
+  calibration.camera = {.fx_px = 90.0,
+                        .fy_px = 90.0,
+                        .cx_px = 15.5,
+                        .cy_px = 11.5,
+                        .baseline_m = 0.3,
+                        .width_px = kMessageWidth_px,
+                        .height_px = kMessageHeight_px};
+  std::jthread setter([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    source->set_calibration(calibration);
+  });
+  publish(0, 1);
+  publish(33000, 2);
+  ASSERT_EQ(source->next(pair_, {}), SourceState::kPair);
+  EXPECT_EQ(pair_.calibration.camera.baseline_m, 0.3);
+  calibration.camera.width_px += 2;
+  EXPECT_THROW(source->set_calibration(calibration), SourceError);
+  calibration.camera.width_px -= 2;
+  calibration.camera.baseline_m = -1.0;
+  EXPECT_THROW(source->set_calibration(calibration), SourceError);
+  calibration.camera.baseline_m = 0.4;
+  source->set_calibration(calibration);
+  publish(66000, 3);
+  ASSERT_EQ(source->next(pair_, {}), SourceState::kPair);
+  EXPECT_EQ(pair_.calibration.camera.baseline_m, 0.4);
+}
+
+TEST_F(LcmSourceTest, SurvivesGarbage) {
+  const auto source = open_lcm_source(bus_, {}, "");
+  publish_calibration();
+  std::vector<std::uint8_t> bytes = encoded(stereo(grey_image(0, 1), grey_image(0, 1)));
+  for (std::size_t size = 0; size < 80; ++size)
+    bus_.publish("EGOMOD_IMAGES", bytes.data(), static_cast<unsigned>(size));
+  publish(33000, 1);
+  ASSERT_EQ(source->next(pair_, {}), SourceState::kPair);
+  EXPECT_EQ(pair_.utime_us(), 33000);
+  EXPECT_EQ(source->counters().damaged_messages, 80U);
+}
+
+TEST_F(LcmSourceTest, StopsPromptlyWhileWaiting) {
+  const auto source = open_lcm_source(bus_, {}, "");
+  std::stop_source stop;
+  const auto start = std::chrono::steady_clock::now();
+  std::jthread stopper([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    stop.request_stop();
+  });
+  EXPECT_EQ(source->next(pair_, stop.get_token()), SourceState::kStopped);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
+}
+
+TEST(ReceiveBuffer, IsAskedForUnlessTheUrlDoes) {
+  EXPECT_EQ(with_receive_buffer("udpm://239.255.76.67:7667?ttl=0"),
+            "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=8388608");
+  EXPECT_EQ(with_receive_buffer("udpm://239.255.76.67:7667"),
+            "udpm://239.255.76.67:7667?recv_buf_size=8388608");
+  EXPECT_EQ(with_receive_buffer("udpm://?recv_buf_size=1"), "udpm://?recv_buf_size=1");
+  EXPECT_EQ(with_receive_buffer("memq://"), "memq://");
+}
+
+}  // namespace
+}  // namespace egomod

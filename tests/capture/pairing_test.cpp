@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/pairing.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace egomod {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(PairByExposure, GivesEachRightImageToTheNearestLeftOnly) {
+  const std::vector<Nanoseconds> left{0ms, 33ms, 66ms};
+  const std::vector<Nanoseconds> right{20ms, 70ms};
+  const auto partners = pair_by_exposure(left, right, 40ms);
+  EXPECT_FALSE(partners[0].accepted);  // 33 ms is nearer to 20 ms
+  EXPECT_TRUE(partners[1].accepted);
+  EXPECT_EQ(partners[1].nearest, 0U);
+  EXPECT_TRUE(partners[2].accepted);
+  EXPECT_EQ(partners[2].nearest, 1U);
+}
+
+TEST(PairByExposure, RejectsAllWithoutRightImages) {
+  const std::vector<Nanoseconds> left{0ms, 33ms};
+  for (const Partner& partner : pair_by_exposure(left, {}, 1s)) {
+    EXPECT_FALSE(partner.accepted);
+    EXPECT_FALSE(partner.nearest);
+  }
+}
+
+TEST(SkewLimit, IsHalfTheMedianIntervalByDefault) {
+  const std::vector<Nanoseconds> left{0ms, 40ms, 80ms, 500ms};
+  EXPECT_EQ(skew_limit(0.0, left, left), 20ms);
+  EXPECT_EQ(skew_limit(0.005, left, left), 5ms);
+  EXPECT_EQ(skew_limit(0.0, {left.data(), 1}, {}), Nanoseconds::max());
+}
+
+std::vector<int> kept(double max_rate_hz, const std::vector<Nanoseconds>& times) {
+  RateLimiter limiter(max_rate_hz);
+  std::vector<int> indices;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    if (!limiter.is_due(times[i])) continue;
+    limiter.keep(times[i]);
+    indices.push_back(static_cast<int>(i));
+  }
+  return indices;
+}
+
+TEST(RateLimiter, KeepsEverythingAtZeroAndAtHigherRatesThanTheData) {
+  const std::vector<Nanoseconds> times{0ms, 33ms, 67ms, 100ms};
+  EXPECT_EQ(kept(0.0, times), (std::vector<int>{0, 1, 2, 3}));
+  EXPECT_EQ(kept(60.0, times), (std::vector<int>{0, 1, 2, 3}));
+  EXPECT_EQ(kept(30.0, times), (std::vector<int>{0, 1, 2, 3}));
+}
+
+TEST(RateLimiter, TurnsJitterNeitherIntoFifthsNorSevenths) {
+  std::vector<Nanoseconds> times;
+  for (int i = 0; i < 120; ++i) {
+    const double jitter_s = 0.005 * std::sin(2.4 * i);
+    times.emplace_back(std::llround(1e9 * (i / 30.0 + jitter_s)));
+  }
+  const std::vector<int> indices = kept(5.0, times);
+  ASSERT_EQ(indices.size(), 20U);
+  for (std::size_t i = 0; i < indices.size(); ++i) EXPECT_EQ(indices[i], 6 * static_cast<int>(i));
+}
+
+TEST(RateLimiter, WaitsForTheNextGoodPairWhenADueOneIsLost) {
+  RateLimiter limiter(1.0);
+  ASSERT_TRUE(limiter.is_due(0ms));
+  limiter.keep(0ms);
+  EXPECT_FALSE(limiter.is_due(500ms));
+  EXPECT_TRUE(limiter.is_due(1000ms));  // found damaged: not kept
+  EXPECT_TRUE(limiter.is_due(1500ms));
+}
+
+TEST(RateLimiter, StartsAnewWhenTheClockStepsBack) {
+  EXPECT_EQ(kept(1.0, {10s, 10500ms, 2s, 2500ms, 3s}), (std::vector<int>{0, 2, 4}));
+}
+
+}  // namespace
+}  // namespace egomod
