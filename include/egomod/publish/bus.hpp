@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "egomod/publish/encoded_message.hpp"
+
+namespace egomod {
+
+// The LCM bus, which may be absent: what it does not take is counted, never an exception.
+// Threads: one caller.
+class Bus {
+ public:
+  // `retry`: a bus that cannot be opened is tried again every few seconds, when there is something
+  // to send.
+  Bus(std::string url, bool retry);
+  Bus(const Bus&) = delete;
+  Bus& operator=(const Bus&) = delete;
+  ~Bus();
+
+  void send(const EncodedMessage& message);
+
+  [[nodiscard]] std::uint64_t sent() const { return sent_; }
+  [[nodiscard]] std::uint64_t errors() const { return errors_; }
+  // Why the last message did not go out, with the remedy; empty when it did.
+  [[nodiscard]] const std::string& problem() const { return problem_; }
+
+ private:
+  struct Connection;  // keeps LCM's headers out
+
+  void open();
+  [[nodiscard]] bool is_open();
+
+  std::string url_;
+  bool retry_;
+  std::unique_ptr<Connection> connection_;
+  std::chrono::steady_clock::time_point tried_;
+  std::uint64_t sent_ = 0;
+  std::uint64_t errors_ = 0;
+  std::string problem_;
+};
+
+}  // namespace egomod

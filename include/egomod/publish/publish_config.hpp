@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+namespace egomod {
+
+enum class ImageEncoding { kNone, kRaw, kJpeg };
+
+struct PublishConfig {
+  ImageEncoding images = ImageEncoding::kNone;  // EGOMOD_IMAGES: rectified pairs
+  int jpeg_quality = 90;                        // 1..100
+  bool tracks = false;                          // EGOMOD_TRACKS
+};
+
+// Where messages go.
+struct PublishTarget {
+  std::string lcm_url{};       // empty: LCM_DEFAULT_URL, else LCM's own default, which has TTL 0
+  std::string record{};        // log file, overwritten; empty: none
+  bool record_timing = false;  // EGOMOD_TIMING in the record, which then differs from run to run
+  // Live: timing goes to the bus, the calibration comes again each second, a bus that cannot be
+  // opened is tried again, and a record that cannot be written stops while the rest goes on.
+  bool live = false;
+};
+
+}  // namespace egomod

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "egomod/publish/publisher.hpp"
+
+#include <chrono>
+#include <egomod/health_t.hpp>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "egomod/publish/bus.hpp"
+#include "egomod/publish/encoded_message.hpp"
+#include "egomod/publish/image_encoder.hpp"
+#include "egomod/publish/messages.hpp"
+#include "egomod/publish/record_writer.hpp"
+
+namespace egomod {
+namespace {
+
+using SteadyClock = std::chrono::steady_clock;
+
+constexpr std::chrono::seconds kCalibrationInterval{1};
+
+struct Channels {
+  std::string calibration = "EGOMOD_CALIBRATION";
+  std::string pose = "EGOMOD_POSE";
+  std::string velocity = "EGOMOD_VELOCITY";
+  std::string objects = "EGOMOD_OBJECTS";
+  std::string tracks = "EGOMOD_TRACKS";
+  std::string images = "EGOMOD_IMAGES";
+  std::string timing = "EGOMOD_TIMING";
+  std::string health = "EGOMOD_HEALTH";
+};
+
+// Bus and record, each perhaps absent. Threads: any.
+class Outlet {
+ public:
+  explicit Outlet(const PublishTarget& target)
+      : bus_(target.lcm_url, target.live), live_(target.live) {
+    if (!target.record.empty()) record_.emplace(target.record);
+    report(bus_.problem());
+  }
+
+  void send_to_bus(const EncodedMessage& message) {
+    const std::lock_guard lock(mutex_);
+    bus_.send(message);
+    report(bus_.problem());
+  }
+
+  void send(const EncodedMessage& message) {
+    send_to_bus(message);
+    keep(message);
+  }
+
+  void count_not_finite(int messages) {
+    const std::lock_guard lock(mutex_);
+    statistics_.not_finite += static_cast<std::uint64_t>(messages);
+  }
+
+  void close() {
+    const std::lock_guard lock(mutex_);
+    if (record_) record_->flush();
+    if (!statistics_.record_problem.empty()) throw RecordError(statistics_.record_problem);
+  }
+
+  PublishStatistics statistics() const {
+    const std::lock_guard lock(mutex_);
+    PublishStatistics result = statistics_;
+    result.sent = bus_.sent();
+    result.bus_errors = bus_.errors();
+    result.bus_problem = bus_.problem();
+    return result;
+  }
+
+  std::vector<std::string> take_warnings() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(warnings_, {});
+  }
+
+ private:
+  void keep(const EncodedMessage& message) {
+    const std::lock_guard lock(mutex_);
+    if (!record_) return;
+    try {
+      record_->write(message);
+    } catch (const RecordError& error) {
+      if (!live_) throw;
+      statistics_.record_problem = error.what();
+      warnings_.push_back(statistics_.record_problem + "; the record ends here");
+      record_.reset();
+    }
+  }
+
+  // A replay says it once; live, each change is news.
+  void report(const std::string& problem) {
+    if (problem == reported_ || (!live_ && !reported_.empty())) return;
+    warnings_.push_back(problem.empty() ? "the LCM bus takes messages again" : problem);
+    reported_ = problem;
+  }
+
+  mutable std::mutex mutex_;
+  Bus bus_;
+  std::optional<RecordWriter> record_;
+  const bool live_;
+  std::string reported_;
+  std::vector<std::string> warnings_;
+  PublishStatistics statistics_;
+};
+
+}  // namespace
+
+struct Publisher::State {
+  State(const PublishConfig& publish_config, const PublishTarget& publish_target)
+      : config(publish_config),
+        target(publish_target),
+        encoder(publish_config.images, publish_config.jpeg_quality),
+        outlet(publish_target) {}
+
+  template <typename Message>
+  void send(const std::string& channel, const Message& message) {
+    outlet.send({channel, message.utime, encode_message(message, buffer)});
+  }
+
+  template <typename Message>
+  void send_if_finite(const std::string& channel, const Message& message) {
+    if (is_finite(message)) {
+      send(channel, message);
+    } else {
+      outlet.count_not_finite(1);
+    }
+  }
+
+  void send_calibration(const StereoPair& pair);
+  void send_objects(const Frame& frame);
+  void send_tracks(const Frame& frame);
+  void send_images(const StereoPair& pair);
+  void add_image(const Image& image, std::int16_t type, std::int64_t utime_us);
+
+  const PublishConfig config;
+  const PublishTarget target;
+  const Channels channels{};
+  ImageEncoder encoder;
+  Outlet outlet;
+  std::vector<std::uint8_t> buffer;
+  std::optional<Calibration> calibration_sent;
+  SteadyClock::time_point calibration_sent_at{};
+  calibration_t calibration{};
+  pose_t pose{};
+  velocity_t velocity{};
+  object_list_t objects{};
+  track_list_t tracks{};
+  bot_core::images_t images{};
+  timing_t timing{};
+};
+
+// The images beside it are rectified, whatever the source's were.
+void Publisher::State::send_calibration(const StereoPair& pair) {
+  const bool changed = !calibration_sent || !(*calibration_sent == pair.calibration);
+  const auto now = SteadyClock::now();
+  if (!changed && !(target.live && now - calibration_sent_at >= kCalibrationInterval)) return;
+  fill_message(pair.calibration, false, calibration);
+  calibration.utime = pair.utime_us();
+  calibration.sequence = static_cast<std::int64_t>(pair.sequence);
+  send_if_finite(channels.calibration, calibration);
+  calibration_sent = pair.calibration;
+  calibration_sent_at = now;
+}
+
+void Publisher::State::send_objects(const Frame& frame) {
+  if (!frame.objects.has_run) return;
+  outlet.count_not_finite(fill_message(frame, objects));
+  send(channels.objects, objects);
+}
+
+void Publisher::State::send_tracks(const Frame& frame) {
+  if (!config.tracks || frame.pair.status != PairStatus::kOk) return;
+  outlet.count_not_finite(fill_message(frame, tracks));
+  send(channels.tracks, tracks);
+}
+
+void Publisher::State::add_image(const Image& image, std::int16_t type, std::int64_t utime_us) {
+  if (image.empty()) return;
+  const auto count = static_cast<std::size_t>(images.n_images);
+  if (images.images.size() <= count) images.images.resize(count + 1);
+  encoder.encode(image.view(), utime_us, images.images[count]);
+  images.image_types.push_back(type);
+  ++images.n_images;
+}
+
+void Publisher::State::send_images(const StereoPair& pair) {
+  if (config.images == ImageEncoding::kNone || pair.left.empty()) return;
+  const std::int64_t skew_us =
+      std::chrono::duration_cast<std::chrono::microseconds>(pair.skew()).count();
+  images.utime = pair.utime_us();
+  images.n_images = 0;
+  images.image_types.clear();
+  add_image(pair.left, bot_core::images_t::LEFT, images.utime);
+  add_image(pair.right, bot_core::images_t::RIGHT, images.utime + skew_us);
+  send(channels.images, images);
+}
+
+Publisher::Publisher(const PublishConfig& config, const PublishTarget& target)
+    : state_(std::make_unique<State>(config, target)) {}
+
+Publisher::~Publisher() = default;
+
+void Publisher::publish(const Frame& frame) {
+  State& state = *state_;
+  state.send_calibration(frame.pair);
+  fill_message(frame, state.pose);
+  state.send_if_finite(state.channels.pose, state.pose);
+  fill_message(frame, state.velocity);
+  state.send_if_finite(state.channels.velocity, state.velocity);
+  state.send_objects(frame);
+  state.send_tracks(frame);
+  state.send_images(frame.pair);
+  if (state.target.live || state.target.record_timing) {
+    fill_message(frame, SteadyClock::now().time_since_epoch(), state.timing);
+    state.send(state.channels.timing, state.timing);
+  }
+}
+
+void Publisher::publish_health(const health_t& message) {
+  std::vector<std::uint8_t> buffer;  // of its own: another thread's than publish
+  state_->outlet.send_to_bus(
+      {state_->channels.health, message.utime, encode_message(message, buffer)});
+}
+
+void Publisher::close() { state_->outlet.close(); }
+
+PublishStatistics Publisher::statistics() const { return state_->outlet.statistics(); }
+
+std::vector<std::string> Publisher::take_warnings() { return state_->outlet.take_warnings(); }
+
+}  // namespace egomod

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <egomod/pose_t.hpp>
+
+#include "commands.hpp"
+#include "egomod/publish/publisher.hpp"
+#include "egomod/publish/record_writer.hpp"
+#include "example_frame.hpp"
+#include "log_reader.hpp"
+
+namespace egomod::log {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kPoseDigits = 1e-8;
+
+void record(const std::string& path, const std::vector<Frame>& frames, bool timing = false,
+            ImageEncoding images = ImageEncoding::kNone) {
+  Publisher publisher({.images = images, .tracks = true},
+                      {.lcm_url = "no-such-provider://", .record = path, .record_timing = timing});
+  for (const Frame& frame : frames) publisher.publish(frame);
+  publisher.close();
+}
+
+template <typename... Frames>
+std::vector<Frame> in_order(Frames... frames) {
+  std::vector<Frame> result;
+  (result.push_back(std::move(frames)), ...);
+  return result;
+}
+
+std::vector<Eigen::Isometry3d> poses_of(const std::string& path) {
+  std::ifstream file(path);
+  std::vector<Eigen::Isometry3d> poses;
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  while (file) {
+    for (int i = 0; i < 12; ++i) file >> T.matrix()(i / 4, i % 4);
+    if (file) poses.push_back(T);
+  }
+  return poses;
+}
+
+std::string error_of(const auto& command) {
+  try {
+    command();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(Export, WritesThePoseOfTheLeftCameraInTheFirstOne) {
+  const test::TemporaryFolder folder;
+  std::vector<Frame> frames;
+  for (std::uint64_t i = 0; i < 4; ++i) frames.push_back(test::some_frame(i));
+  record(folder.file("log"), frames);
+  export_log(folder.file("log"), folder.file("out"));
+  const auto poses = poses_of(folder.file("out/poses.txt"));
+  ASSERT_EQ(poses.size(), 4U);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    EXPECT_TRUE(poses[i].isApprox(frames[i].motion.T_first_current, kPoseDigits)) << i;
+  }
+  EXPECT_EQ(test::contents_of(folder.file("out/times.txt")),
+            "0.000000\n0.100000\n0.200000\n0.300000\n");
+  EXPECT_FALSE(std::filesystem::exists(folder.file("out/timing.csv")));
+}
+
+TEST(Export, RepeatsThePoseWhereAPairWasSkippedFailedOrIsMissing) {
+  const test::TemporaryFolder folder;
+  std::vector<Frame> frames =
+      in_order(test::some_frame(0), test::some_frame(1), test::some_frame(2), test::some_frame(3),
+               test::some_frame(5));
+  frames[2].motion.status = EstimateStatus::kSkipped;
+  frames[3].motion.status = EstimateStatus::kFailed;
+  record(folder.file("log"), frames);
+  export_log(folder.file("log"), folder.file("out"));
+  const auto poses = poses_of(folder.file("out/poses.txt"));
+  ASSERT_EQ(poses.size(), 6U);
+  for (const std::size_t i : {1U, 2U, 3U, 4U}) {
+    EXPECT_TRUE(poses[i].isApprox(frames[1].motion.T_first_current, kPoseDigits)) << i;
+  }
+  EXPECT_TRUE(poses[5].isApprox(frames[4].motion.T_first_current, kPoseDigits));
+  EXPECT_THAT(test::contents_of(folder.file("out/times.txt")), HasSubstr("\n0.400000\n0.500000\n"));
+}
+
+TEST(Export, WritesMovingObjectsInTheLeftCameraFrame) {
+  const test::TemporaryFolder folder;
+  Frame frame = test::some_frame(1);
+  frame.objects.objects.push_back(test::some_object(8));
+  frame.objects.objects[1].state = ObjectState::kTentative;
+  frame.objects.objects.push_back(test::some_object(9));
+  frame.objects.objects[2].points = 0;
+  record(folder.file("log"), in_order(test::some_frame(0), std::move(frame)));
+  export_log(folder.file("log"), folder.file("out"));
+  const std::string row =
+      "10.500,20.000,99.000,80.250,1.000000,-0.500000,6.000000,0.400000,0.000000,-0.300000,12\n";
+  EXPECT_EQ(test::contents_of(folder.file("out/objects.csv")),
+            "frame,time,track_id,u_min,v_min,u_max,v_max,X,Y,Z,VX,VY,VZ,n_points\n"
+            "0,0.000000,7," +
+                row + "1,0.100000,7," + row);
+}
+
+TEST(Export, WritesTheHeaderWhenNothingMovesAndTimingWhenThereIs) {
+  const test::TemporaryFolder folder;
+  Frame frame = test::some_frame(0);
+  frame.objects.objects.clear();
+  frame.times[1] = {.start = Nanoseconds(1'000'000), .end = Nanoseconds(3'500'000)};
+  record(folder.file("log"), in_order(std::move(frame)), true);
+  export_log(folder.file("log"), folder.file("out"));
+  EXPECT_EQ(test::contents_of(folder.file("out/objects.csv")),
+            "frame,time,track_id,u_min,v_min,u_max,v_max,X,Y,Z,VX,VY,VZ,n_points\n");
+  EXPECT_THAT(test::contents_of(folder.file("out/timing.csv")),
+              HasSubstr("frame,time,stage,ms\n0,0.000000,capture,0.000000\n"
+                        "0,0.000000,features,2.500000\n"));
+}
+
+TEST(Export, UsesWhatIsWholeOfATruncatedLogAndThenFails) {
+  const test::TemporaryFolder folder;
+  record(folder.file("log"), in_order(test::some_frame(0), test::some_frame(1)));
+  std::filesystem::resize_file(folder.file("log"),
+                               std::filesystem::file_size(folder.file("log")) - 3);
+  EXPECT_THAT(error_of([&] { export_log(folder.file("log"), folder.file("out")); }),
+              HasSubstr("cut off"));
+  EXPECT_EQ(poses_of(folder.file("out/poses.txt")).size(), 2U);
+  EXPECT_THAT(error_of([&] { print_info(folder.file("log")); }), HasSubstr("cut off"));
+}
+
+TEST(Info, NamesAChannelWithAnUnknownType) {
+  const test::TemporaryFolder folder;
+  {
+    RecordWriter writer(folder.file("log"));
+    const std::string channel = "EGOMOD_POSE";
+    const std::vector<std::uint8_t> bytes(16, 1);
+    writer.write({channel, 0, bytes});
+    writer.flush();
+  }
+  EXPECT_THAT(error_of([&] { print_info(folder.file("log")); }), HasSubstr("EGOMOD_POSE"));
+  EXPECT_THAT(error_of([&] { export_log(folder.file("log"), folder.file("out")); }),
+              HasSubstr("EGOMOD_POSE"));
+}
+
+TEST(Draw, MakesAPictureOfEachLeftImage) {
+  const test::TemporaryFolder folder;
+  record(folder.file("log"), in_order(test::some_frame(0), test::some_frame(1)), false,
+         ImageEncoding::kJpeg);
+  draw_log(folder.file("log"), folder.file("out"), "");
+  EXPECT_GT(std::filesystem::file_size(folder.file("out/000001.png")), 0U);
+}
+
+}  // namespace
+}  // namespace egomod::log
