@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <bot_core/images_t.hpp>
+#include <egomod/calibration_t.hpp>
+#include <filesystem>
+#include <map>
+#include <stop_token>
+
+#include "commands.hpp"
+#include "egomod/app/progress.hpp"
+#include "egomod/capture/frame_source.hpp"
+#include "egomod/publish/messages.hpp"
+#include "log_reader.hpp"
+#include "overlay.hpp"
+#include "picture.hpp"
+#include "text_output.hpp"
+
+namespace egomod::log {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What the log says about each pair, by its time, which images share.
+struct Estimates {
+  std::map<std::int64_t, Calibration> calibrations;
+  std::map<std::int64_t, object_list_t> objects;
+  std::map<std::int64_t, track_list_t> tracks;
+
+  [[nodiscard]] const Calibration& calibration_at(std::int64_t utime_us) const {
+    const auto later = calibrations.upper_bound(utime_us);
+    return later == calibrations.begin() ? later->second : std::prev(later)->second;
+  }
+};
+
+Estimates read_estimates(LogReader& reader) {
+  Estimates estimates;
+  while (const lcm::LogEvent* event = reader.next()) {
+    if (event->channel == "EGOMOD_CALIBRATION") {
+      calibration_t message{};
+      reader.decode(*event, message);
+      estimates.calibrations[message.utime] = calibration_from(message);
+    } else if (event->channel == "EGOMOD_OBJECTS") {
+      object_list_t message{};
+      reader.decode(*event, message);
+      estimates.objects[message.utime] = std::move(message);
+    } else if (event->channel == "EGOMOD_TRACKS") {
+      track_list_t message{};
+      reader.decode(*event, message);
+      estimates.tracks[message.utime] = std::move(message);
+    }
+  }
+  return estimates;
+}
+
+class Drawing {
+ public:
+  Drawing(const Estimates& estimates, fs::path folder)
+      : estimates_(estimates),
+        folder_(std::move(folder)),
+        progress_("draw", "pictures", estimates.objects.size()) {}
+
+  void add(const ImageView& image, std::int64_t utime_us, std::uint64_t index) {
+    cv::Mat picture = picture_of(image);
+    const auto tracks = estimates_.tracks.find(utime_us);
+    if (tracks != estimates_.tracks.end()) draw_tracks(tracks->second, picture);
+    const auto objects = estimates_.objects.find(utime_us);
+    if (objects != estimates_.objects.end()) {
+      draw_objects(objects->second, estimates_.calibration_at(utime_us), picture);
+    }
+    write_png(folder_ / fmt::format("{:06}.png", index), picture);
+    progress_.update(++drawn_);
+  }
+
+  void finish() { progress_.finish(drawn_); }
+
+  [[nodiscard]] std::uint64_t drawn() const { return drawn_; }
+
+ private:
+  const Estimates& estimates_;
+  fs::path folder_;
+  Progress progress_;
+  std::uint64_t drawn_ = 0;
+};
+
+void draw_from_folder(const std::string& images, Drawing& drawing) {
+  const auto source = open_source("folder:" + images, {}, "", "");
+  StereoPair pair;
+  SourceState state = SourceState::kPair;
+  while ((state = source->next(pair, std::stop_token())) == SourceState::kPair) {
+    if (!pair.left.empty()) drawing.add(pair.left.view(), pair.utime_us(), pair.sequence);
+  }
+  if (state == SourceState::kFailed) throw SourceError(source->error());
+}
+
+const bot_core::image_t* left_of(const bot_core::images_t& images) {
+  for (std::size_t i = 0; i < images.images.size(); ++i) {
+    if (images.image_types[i] == bot_core::images_t::LEFT) return &images.images[i];
+  }
+  return nullptr;
+}
+
+void draw_from_log(const std::string& log, const Estimates& estimates, Drawing& drawing) {
+  LogReader reader(log);
+  PictureDecoder decoder;
+  bot_core::images_t images{};
+  Image image;
+  std::uint64_t index = 0;
+  while (const lcm::LogEvent* event = reader.next()) {
+    if (event->channel != "EGOMOD_IMAGES") continue;
+    reader.decode(*event, images);
+    if (estimates.calibration_at(images.utime).images_are_raw) {
+      throw LogError(log +
+                     ": its images are raw, and estimates hold for rectified ones; give the " +
+                     "sequence with --images");
+    }
+    if (const bot_core::image_t* left = left_of(images)) {
+      decoder.decode(*left, image);
+      drawing.add(image.view(), images.utime, index);
+    }
+    ++index;
+  }
+}
+
+}  // namespace
+
+void draw_log(const std::string& log, const std::string& folder, const std::string& images) {
+  LogReader reader(log);
+  const Estimates estimates = read_estimates(reader);
+  if (estimates.calibrations.empty()) {
+    reader.require_whole();
+    throw LogError(log + ": holds no EGOMOD_CALIBRATION");
+  }
+  make_folder(folder);
+  Drawing drawing(estimates, folder);
+  if (images.empty()) {
+    draw_from_log(log, estimates, drawing);
+  } else {
+    draw_from_folder(images, drawing);
+  }
+  drawing.finish();
+  if (drawing.drawn() == 0) {
+    throw LogError(log + ": holds no EGOMOD_IMAGES; name the folder of the sequence with --images");
+  }
+  reader.require_whole();
+}
+
+}  // namespace egomod::log
