@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <optional>
+#include <string>
+
+#include "folder_writer.hpp"
+#include "log_writer.hpp"
+#include "simulator.hpp"
+#include "world_file.hpp"
+
+namespace egomod::sim {
+namespace {
+
+struct Arguments {
+  std::string world;
+  std::string folder;
+  std::string log;
+  std::optional<std::uint32_t> seed;
+  std::optional<double> duration_s;
+  FolderOptions options;
+  bool list = false;
+};
+
+World chosen_world(const Arguments& arguments) {
+  World world = read_world(find_world(arguments.world, world_folder()));
+  if (arguments.seed) world.seed = *arguments.seed;
+  // Only shorter: the file was checked for its own duration.
+  if (arguments.duration_s) world.duration_s = std::min(world.duration_s, *arguments.duration_s);
+  return world;
+}
+
+void record(const Arguments& arguments) {
+  Simulator simulator(chosen_world(arguments));
+  const World& world = simulator.world();
+  std::optional<FolderWriter> folder;
+  std::optional<LogWriter> log;
+  if (!arguments.folder.empty()) folder.emplace(arguments.folder, world.camera, arguments.options);
+  if (!arguments.log.empty()) log.emplace(arguments.log, world.camera);
+  const auto pairs = static_cast<std::uint64_t>(world.pairs());
+  const auto begin = std::chrono::steady_clock::now();
+  Image left;
+  Image right;
+  Truth truth;
+  for (std::uint64_t pair = 0; pair < pairs; ++pair) {
+    simulator.take_pair(pair, left, right);
+    if (log) log->write(simulator.time_s(pair), left, right);
+    if (folder) {
+      simulator.take_truth(pair, truth);
+      folder->write(pair, simulator.time_s(pair), left, right, truth);
+    }
+  }
+  if (folder) folder->finish();
+  if (log) log->finish();
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  std::printf("%s: %llu pairs of %dx%d, %.1f pairs/s, on %s\n", world.name.c_str(),
+              static_cast<unsigned long long>(pairs), world.camera.width_px, world.camera.height_px,
+              static_cast<double>(pairs) / took.count(), simulator.device().c_str());
+}
+
+void run(const Arguments& arguments) {
+  if (arguments.list) {
+    for (const std::string& name : worlds_in(world_folder())) std::puts(name.c_str());
+    return;
+  }
+  if (arguments.world.empty()) throw WorldError("which world? --list shows them");
+  if (arguments.folder.empty() && arguments.log.empty()) {
+    throw WorldError("nothing to write: give --out DIR, --log FILE or both");
+  }
+  record(arguments);
+}
+
+}  // namespace
+}  // namespace egomod::sim
+
+int main(int argc, char** argv) {
+  CLI::App app("Renders what a stereo rig sees of a world, with exact truth");
+  egomod::sim::Arguments arguments;
+  app.add_option("WORLD", arguments.world, "Name of a world (--list), or the path of its file");
+  app.add_option(
+      "--out", arguments.folder,
+      "Folder of the KITTI odometry layout, with poses.txt and objects.csv; overwritten");
+  app.add_option("--log", arguments.log, "LCM log of calibration and images; overwritten");
+  app.add_option("--seed", arguments.seed, "Of textures and noise (default: the world's)");
+  app.add_option("--duration", arguments.duration_s, "End earlier, seconds")
+      ->check(CLI::PositiveNumber);
+  app.add_flag("--depth", arguments.options.depth,
+               "Write depth_0 too: 16-bit PNG, millimetres (needs --out)");
+  app.add_flag("--masks", arguments.options.masks,
+               "Write mask_0 too: 8-bit PNG, object ids (needs --out)");
+  app.add_flag("--list", arguments.list, "Print the names of the worlds that are installed");
+  try {
+    app.parse(argc, argv);
+    egomod::sim::run(arguments);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "egomod-sim: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderer.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+
+namespace egomod::sim {
+namespace {
+
+using test_support::Body;
+using test_support::Patch;
+
+constexpr int kSamples = 4;
+constexpr double kNear_m = 0.1;
+constexpr double kFar_m = 2000.0;
+constexpr float kSky = 0.82F;
+constexpr int kVerticesPerPatch = 6;
+
+constexpr const char* kVertexShader = R"(#version 330 core
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 paint;
+uniform mat4 matrix;
+out vec2 st;
+flat out float light;
+void main() {
+  gl_Position = matrix * vec4(position, 1.0);
+  st = paint.xy;
+  light = paint.z;
+})";
+constexpr const char* kShade = R"(#version 330 core
+in vec2 st;
+flat in float light;
+uniform sampler2D surface;
+layout(location = 0) out float grey;
+void main() { grey = texture(surface, st).r * light; })";
+// 1 / gl_FragCoord.w is the clip coordinate w, which is the depth.
+constexpr const char* kIdentify = R"(#version 330 core
+uniform uint id;
+layout(location = 0) out uint seen;
+layout(location = 1) out float depth;
+void main() { seen = id; depth = 1.0 / gl_FragCoord.w; })";
+
+struct Vertex {
+  Eigen::Vector3f position;
+  Eigen::Vector3f paint;  // s, t, light
+};
+
+void append(const Patch& patch, std::vector<Vertex>& out) {
+  constexpr std::array<std::pair<double, double>, kVerticesPerPatch> kCorners{
+      {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}};
+  for (const auto& [s, t] : kCorners) {
+    const Eigen::Vector3d P = patch.corner_m + s * patch.edge_s_m + t * patch.edge_t_m;
+    out.push_back({P.cast<float>(), Eigen::Vector3d(s, t, patch.brightness).cast<float>()});
+  }
+}
+
+// Pixel centres on integers here, on halves in OpenGL; image rows go down as the window's go up,
+// so that row 0 is read first.
+Eigen::Matrix4d projection(const StereoCamera& c) {
+  Eigen::Matrix4d P = Eigen::Matrix4d::Zero();
+  P(0, 0) = 2.0 * c.fx_px / c.width_px;
+  P(0, 2) = 2.0 * (c.cx_px + 0.5) / c.width_px - 1.0;
+  P(1, 1) = 2.0 * c.fy_px / c.height_px;
+  P(1, 2) = 2.0 * (c.cy_px + 0.5) / c.height_px - 1.0;
+  P(2, 2) = (kFar_m + kNear_m) / (kFar_m - kNear_m);
+  P(2, 3) = -2.0 * kFar_m * kNear_m / (kFar_m - kNear_m);
+  P(3, 2) = 1.0;
+  return P;
+}
+
+}  // namespace
+
+Renderer::Renderer(const test_support::Scene& scene, const StereoCamera& camera)
+    : gl_(context_.gl()), scene_(scene), camera_(camera) {
+  shade_ = compile(kShade);
+  identify_ = compile(kIdentify);
+  multisampled_ = target(kSamples, {GL_R8}, true);
+  resolved_ = target(0, {GL_R8}, false);
+  buffers_ = target(0, {GL_R8UI, GL_R32F}, true);
+  gl_.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  gl_.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  gl_.Viewport(0, 0, camera.width_px, camera.height_px);
+  gl_.Enable(GL_DEPTH_TEST);
+  upload_textures();
+  upload_patches();
+  check("setting up");
+}
+
+void Renderer::check(const char* what) const {
+  const GLenum error = gl_.GetError();
+  if (error != GL_NO_ERROR) throw GlError(fmt::format("OpenGL error {:#x} in {}", error, what));
+}
+
+Renderer::Program Renderer::compile(const char* fragment) const {
+  const GLuint program = gl_.CreateProgram();
+  for (const auto& [kind, source] :
+       {std::pair{GL_VERTEX_SHADER, kVertexShader}, std::pair{GL_FRAGMENT_SHADER, fragment}}) {
+    const GLuint shader = gl_.CreateShader(static_cast<GLenum>(kind));
+    gl_.ShaderSource(shader, 1, &source, nullptr);
+    gl_.CompileShader(shader);
+    gl_.AttachShader(program, shader);
+  }
+  gl_.LinkProgram(program);
+  GLint linked = GL_FALSE;
+  gl_.GetProgramiv(program, GL_LINK_STATUS, &linked);
+  if (linked != GL_TRUE) {
+    std::array<char, 1024> log{};
+    gl_.GetProgramInfoLog(program, static_cast<GLsizei>(log.size()), nullptr, log.data());
+    throw GlError(fmt::format("the driver refuses a shader: {}", log.data()));
+  }
+  return {program, gl_.GetUniformLocation(program, "matrix"),
+          gl_.GetUniformLocation(program, "id")};
+}
+
+Renderer::Target Renderer::target(int samples, const std::vector<GLenum>& colours,
+                                  bool depth) const {
+  Target out;
+  gl_.GenFramebuffers(1, &out.framebuffer);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, out.framebuffer);
+  const auto attach = [&](GLenum format, GLenum point) {
+    GLuint buffer = 0;
+    gl_.GenRenderbuffers(1, &buffer);
+    gl_.BindRenderbuffer(GL_RENDERBUFFER, buffer);
+    gl_.RenderbufferStorageMultisample(GL_RENDERBUFFER, samples, format, camera_.width_px,
+                                       camera_.height_px);
+    gl_.FramebufferRenderbuffer(GL_FRAMEBUFFER, point, GL_RENDERBUFFER, buffer);
+  };
+  std::vector<GLenum> points;
+  for (const GLenum format : colours) {
+    points.push_back(GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(points.size()));
+    attach(format, points.back());
+  }
+  if (depth) attach(GL_DEPTH_COMPONENT32F, GL_DEPTH_ATTACHMENT);
+  gl_.DrawBuffers(static_cast<GLsizei>(points.size()), points.data());
+  if (gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+    throw GlError(fmt::format("the driver cannot draw {}x{} pixels with {} samples",
+                              camera_.width_px, camera_.height_px, samples));
+  }
+  return out;
+}
+
+void Renderer::upload_textures() {
+  textures_.resize(scene_.textures.size());
+  gl_.GenTextures(static_cast<GLsizei>(textures_.size()), textures_.data());
+  for (std::size_t i = 0; i < textures_.size(); ++i) {
+    const test_support::Texture& texture = scene_.textures[i];
+    gl_.BindTexture(GL_TEXTURE_2D, textures_[i]);
+    gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_R8, texture.width_texels(), texture.height_texels(), 0,
+                   GL_RED, GL_UNSIGNED_BYTE, texture.texels().data());
+    gl_.GenerateMipmap(GL_TEXTURE_2D);
+    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  }
+}
+
+void Renderer::upload_patches() {
+  std::vector<Vertex> vertices;
+  for (const Body& body : scene_.bodies) {
+    for (const Patch& patch : body.patches) append(patch, vertices);
+  }
+  GLuint array = 0;
+  GLuint buffer = 0;
+  gl_.GenVertexArrays(1, &array);
+  gl_.BindVertexArray(array);
+  gl_.GenBuffers(1, &buffer);
+  gl_.BindBuffer(GL_ARRAY_BUFFER, buffer);
+  gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(Vertex)),
+                 vertices.data(), GL_STATIC_DRAW);
+  gl_.VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Vertex), nullptr);
+  gl_.VertexAttribPointer(
+      1, 3, GL_FLOAT, GL_FALSE, sizeof(Vertex),
+      // OpenGL takes the offset as a pointer. NOLINTNEXTLINE(performance-no-int-to-ptr)
+      reinterpret_cast<const void*>(offsetof(Vertex, paint)));
+  gl_.EnableVertexAttribArray(0);
+  gl_.EnableVertexAttribArray(1);
+}
+
+void Renderer::draw(const Program& program, double t_s, const Eigen::Isometry3d& T_camera_world,
+                    int only_id) const {
+  gl_.UseProgram(program.name);
+  const Eigen::Matrix4d P = projection(camera_) * T_camera_world.matrix();
+  GLint first = 0;
+  for (const Body& body : scene_.bodies) {
+    const bool wanted = only_id == kAll || body.id == only_id;
+    if (wanted) {
+      const Eigen::Matrix4f M = (P * body.T_world_body(t_s).matrix()).cast<float>();
+      gl_.UniformMatrix4fv(program.matrix, 1, GL_FALSE, M.data());
+      if (program.id >= 0) gl_.Uniform1ui(program.id, static_cast<GLuint>(body.id));
+    }
+    for (const Patch& patch : body.patches) {
+      if (wanted) {
+        gl_.BindTexture(GL_TEXTURE_2D, textures_[patch.texture]);
+        gl_.DrawArrays(GL_TRIANGLES, first, kVerticesPerPatch);
+      }
+      first += kVerticesPerPatch;
+    }
+  }
+}
+
+void Renderer::clear_depth() const {
+  const float farthest = 1.0F;
+  gl_.ClearBufferfv(GL_DEPTH, 0, &farthest);
+}
+
+void Renderer::render(double t_s, const Eigen::Isometry3d& T_camera_world, Image& out) {
+  const auto [width, height] = std::pair{camera_.width_px, camera_.height_px};
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, multisampled_.framebuffer);
+  const std::array<float, 4> sky{kSky, 0.0F, 0.0F, 1.0F};
+  gl_.ClearBufferfv(GL_COLOR, 0, sky.data());
+  clear_depth();
+  draw(shade_, t_s, T_camera_world, kAll);
+  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved_.framebuffer);
+  gl_.BlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, resolved_.framebuffer);
+  gl_.ReadBuffer(GL_COLOR_ATTACHMENT0);
+  out.resize(width, height);
+  gl_.PixelStorei(GL_PACK_ROW_LENGTH, static_cast<GLint>(out.stride_bytes()));
+  gl_.ReadPixels(0, 0, width, height, GL_RED, GL_UNSIGNED_BYTE, out.row(0));
+  gl_.PixelStorei(GL_PACK_ROW_LENGTH, 0);
+  check("rendering");
+}
+
+void Renderer::render_buffers(double t_s, const Eigen::Isometry3d& T_camera_world, int only_id,
+                              Buffers& out) {
+  const auto [width, height] = std::pair{camera_.width_px, camera_.height_px};
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, buffers_.framebuffer);
+  const std::array<GLuint, 4> nothing{};
+  const std::array<float, 4> nowhere{};
+  gl_.ClearBufferuiv(GL_COLOR, 0, nothing.data());
+  gl_.ClearBufferfv(GL_COLOR, 1, nowhere.data());
+  clear_depth();
+  draw(identify_, t_s, T_camera_world, only_id);
+  const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  out.ids.resize(pixels);
+  out.depth_m.resize(pixels);
+  gl_.ReadBuffer(GL_COLOR_ATTACHMENT0);
+  gl_.ReadPixels(0, 0, width, height, GL_RED_INTEGER, GL_UNSIGNED_BYTE, out.ids.data());
+  gl_.ReadBuffer(GL_COLOR_ATTACHMENT1);
+  gl_.ReadPixels(0, 0, width, height, GL_RED, GL_FLOAT, out.depth_m.data());
+  check("rendering ids and depth");
+}
+
+}  // namespace egomod::sim

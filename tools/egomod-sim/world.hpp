@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "egomod/core/calibration.hpp"
+#include "motion.hpp"
+
+namespace egomod::sim {
+
+// What separates a photograph from a rendering. Grey levels of 255; defaults resemble the colour
+// camera of a Kinect v1 indoors.
+struct Realism {
+  double read_noise = 1.0;   // standard deviation in the dark
+  double shot_noise = 0.13;  // times the root of the grey value, in quadrature
+  double vignetting = 0.12;  // share of the light that the corners lose
+  double right_gain = 1.02;  // the right camera's exposure by the left one's
+  double gain_drift = 0.01;  // both exposures wander by this share
+  double gain_drift_period_s = 8.0;
+  double exposure_s = 0.0;  // motion blur
+  int blur_samples = 1;     // renderings an exposure; 1: no blur
+};
+
+// Uneven floor: a function of the way, so that a resting rig rests. Peak values.
+struct Wobble {
+  double pitch_rad = 0.0;
+  double roll_rad = 0.0;
+  double bounce_m = 0.0;
+  double wavelength_m = 0.35;
+};
+
+struct Rig {
+  Motion motion;
+  double height_m = 0.45;
+  double pitch_rad = 0.0;  // positive looks down
+  Wobble wobble;
+};
+
+// Floor from x = -width / 2 to width / 2 and z = -rear to length - rear, at height 0.
+enum class ShellKind { kRoom, kCorridor, kStreet };
+struct Shell {
+  ShellKind kind = ShellKind::kRoom;
+  double width_m = 7.0;
+  double length_m = 12.0;
+  double height_m = 2.8;
+  double rear_m = 1.0;
+  std::string left = "plaster";
+  std::string right = "plaster";
+  std::string front = "bricks";
+  std::string back = "bricks";
+  std::string floor = "tiles";
+  std::string ceiling = "plaster";
+};
+
+enum class Wall { kLeft, kRight, kFront, kBack };
+struct Poster {
+  Wall wall = Wall::kFront;
+  double along_m = 0.0;   // its middle: z on left and right, x on front and back
+  double height_m = 1.5;  // of its middle
+  Eigen::Vector2d size_m{0.9, 1.2};
+};
+
+enum class ThingKind { kBox, kPioneer, kPerson, kCar };
+struct Thing {
+  ThingKind kind = ThingKind::kBox;
+  int id = 0;  // 0: furniture, which is no object
+  Motion motion;
+  Eigen::Vector3d size_m{0.6, 0.6, 0.6};  // across, high, along; boxes only
+  double lift_m = 0.0;                    // above the floor; boxes only
+  std::string material = "carton";        // boxes only
+};
+
+struct World {
+  std::string name;
+  double duration_s = 10.0;
+  double rate_hz = 30.0;
+  std::uint32_t seed = 1;
+  StereoCamera camera;
+  Realism realism;
+  Rig rig;
+  Shell shell;
+  std::vector<Poster> posters;
+  std::vector<Thing> things;
+
+  [[nodiscard]] int pairs() const;  // at 0, 1 / rate, ... up to and without duration
+};
+
+[[nodiscard]] std::string to_string(ThingKind kind);
+// Of the box around the thing at rest.
+[[nodiscard]] Eigen::Vector3d size_m(const Thing& thing);
+
+}  // namespace egomod::sim
