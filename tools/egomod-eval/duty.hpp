@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "detection.hpp"
+
+namespace egomod::eval {
+
+// The frames that count.
+[[nodiscard]] std::vector<int> counted_frames(int frames, const DetectionOptions& options);
+
+// For each object of each counted frame, parallel to the truth's lists.
+[[nodiscard]] std::map<int, std::vector<Duty>> duties(const Truth& truth,
+                                                      const std::vector<int>& counted,
+                                                      const DetectionOptions& options);
+
+}  // namespace egomod::eval

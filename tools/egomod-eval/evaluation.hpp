@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "consistency.hpp"
+#include "detection.hpp"
+#include "odometry.hpp"
+#include "points.hpp"
+#include "record.hpp"
+#include "sequence.hpp"
+
+namespace egomod::eval {
+
+enum class EstimateKind { kRecord, kResult, kPoses };
+
+struct Run {
+  std::string name;  // empty: the truth folder's
+  std::string truth;
+  std::string estimate;
+  EstimateKind kind = EstimateKind::kRecord;
+  PoseFormat format = PoseFormat::kKitti;
+};
+
+struct Evaluation {
+  std::string name;
+  std::string source;  // what was evaluated
+  Truth truth;
+  Estimate estimate;
+  std::optional<OdometryFigures> odometry;
+  std::optional<DetectionFigures> detection;
+  std::optional<ConsistencyFigures> consistency;
+  std::optional<PointFigures> points;
+  std::map<std::string, Summary> latency_ms;
+  std::vector<std::string> notes;  // what could not be evaluated, and why; what looks wrong
+};
+
+// Throws an exception that names file and place.
+[[nodiscard]] Evaluation evaluate(const Run& run, const DetectionOptions& options);
+
+}  // namespace egomod::eval

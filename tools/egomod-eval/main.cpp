@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+// egomod-eval: how good a run was, by the truth.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "evaluation.hpp"
+#include "figure_tables.hpp"
+#include "html.hpp"
+#include "json.hpp"
+#include "tables.hpp"
+
+namespace egomod::eval {
+namespace {
+
+struct Options {
+  std::vector<std::string> truths, records, results, poses, names;
+  std::string format = "kitti";
+  std::string output;
+  std::string json;
+  DetectionOptions detection;
+};
+
+void add_options(CLI::App& app, Options& o) {
+  app.add_option(
+         "--truth", o.truths,
+         "folder of the truth: times.txt, poses.txt, objects.csv, calib.txt; once for each run")
+      ->required();
+  app.add_option("--record", o.records, "record of egomodd, one for each truth");
+  app.add_option("--result", o.results,
+                 "folder as egomod-log export writes it, one for each truth");
+  app.add_option("--poses", o.poses, "file of left camera poses, one for each truth");
+  app.add_option(
+         "--format", o.format,
+         "of --poses; kitti: 12 numbers a row (13: frame first); tum: time tx ty tz qx qy qz qw")
+      ->check(CLI::IsMember({"kitti", "tum"}))
+      ->capture_default_str();
+  app.add_option("--name", o.names, "what the report calls each run (default: the truth's folder)");
+  app.add_option("--output", o.output, "folder for report.html and figures.json; made if needed");
+  app.add_option("--json", o.json,
+                 "write all figures to this file; - is standard output, no tables");
+  app.add_option("--every", o.detection.every,
+                 "objects: only frames divisible by this count (a run at a lower rate)")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--max-depth", o.detection.max_depth_m, "objects: due up to this depth, m")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--min-px", o.detection.min_px, "objects: due from this many visible pixels on")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--grace", o.detection.grace_s,
+                 "objects: due this many seconds after they qualify")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option(
+         "--v90", o.detection.v90_factor,
+         "objects: due from this many times the speed that can show within 1 s; 0: any mover")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+}
+
+std::vector<Run> runs_of(const Options& o) {
+  const bool one_kind =
+      (o.records.empty() ? 0 : 1) + (o.results.empty() ? 0 : 1) + (o.poses.empty() ? 0 : 1) == 1;
+  if (!one_kind) throw CLI::ValidationError("give one of --record, --result, --poses");
+  const EstimateKind kind = !o.records.empty()   ? EstimateKind::kRecord
+                            : !o.results.empty() ? EstimateKind::kResult
+                                                 : EstimateKind::kPoses;
+  const auto& estimates = !o.records.empty() ? o.records : !o.results.empty() ? o.results : o.poses;
+  if (estimates.size() != o.truths.size()) {
+    throw CLI::ValidationError(std::to_string(estimates.size()) + " runs but " +
+                               std::to_string(o.truths.size()) + " truths; each run needs its own");
+  }
+  if (!o.names.empty() && o.names.size() != o.truths.size())
+    throw CLI::ValidationError("--name: one for each run, or none");
+  std::vector<Run> runs;
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    runs.push_back({.name = o.names.empty() ? "" : o.names[i],
+                    .truth = o.truths[i],
+                    .estimate = estimates[i],
+                    .kind = kind,
+                    .format = o.format == "tum" ? PoseFormat::kTum : PoseFormat::kKitti});
+  }
+  return runs;
+}
+
+void write(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream file(path);
+  file << text;
+  if (!file.flush()) throw InputError(path.string() + ": cannot be written");
+}
+
+void print(const std::vector<Evaluation>& evaluations) {
+  for (const Evaluation& e : evaluations) {
+    std::printf("=== %s (%s)\n", e.name.c_str(), e.source.c_str());
+    for (const FigureTable& table : figure_tables(e)) std::printf("%s\n", text_of(table).c_str());
+    for (const std::string& note : e.notes) std::printf("Note: %s\n", note.c_str());
+    if (!e.notes.empty()) std::printf("\n");
+  }
+  if (evaluations.size() > 1) std::printf("%s\n", text_of(overview(evaluations)).c_str());
+}
+
+void report(const std::vector<Evaluation>& evaluations, const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw InputError(folder + ": cannot be made: " + error.message());
+  const HtmlReport html = html_report(evaluations);
+  write(std::filesystem::path(folder) / "report.html", html.text);
+  write(std::filesystem::path(folder) / "figures.json", json_of(evaluations));
+  if (!html.warning.empty()) std::fprintf(stderr, "egomod-eval: %s\n", html.warning.c_str());
+  std::fprintf(stderr, "wrote %s/report.html and figures.json\n", folder.c_str());
+}
+
+void run(const Options& options, const std::vector<Run>& runs) {
+  std::vector<Evaluation> evaluations;
+  evaluations.reserve(runs.size());
+  for (const Run& one : runs) evaluations.push_back(evaluate(one, options.detection));
+  if (options.json == "-") {
+    std::printf("%s", json_of(evaluations).c_str());
+  } else {
+    print(evaluations);
+    if (!options.json.empty()) write(options.json, json_of(evaluations));
+  }
+  if (!options.output.empty()) report(evaluations, options.output);
+  if (std::fflush(stdout) != 0) throw InputError("standard output: cannot be written");
+}
+
+}  // namespace
+}  // namespace egomod::eval
+
+int main(int argc, char** argv) {
+  CLI::App app{"Scores poses and moving objects against the truth; several runs make one table."};
+  egomod::eval::Options options;
+  egomod::eval::add_options(app, options);
+  try {
+    app.parse(argc, argv);
+    egomod::eval::run(options, egomod::eval::runs_of(options));
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error);
+  } catch (const std::exception& error) {
+    std::fflush(stdout);
+    std::fprintf(stderr, "egomod-eval: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

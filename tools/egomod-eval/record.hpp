@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "egomod/core/calibration.hpp"
+#include "sequence.hpp"
+
+namespace egomod::eval {
+
+// What a record says of one pair beyond what an export holds, in the left camera frame. Covariances
+// as pose_t has them: translation (m), rotation (rad), right perturbation.
+struct PoseEvidence {
+  int frame = 0;
+  int reset_count = 0;
+  bool estimated = false;  // false: the last pose again
+  // First left camera from this one, as recorded.
+  Eigen::Isometry3d T_first_camera = Eigen::Isometry3d::Identity();
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  // Of the motion since the previous pair; nothing where none was estimated.
+  std::optional<Eigen::Matrix<double, 6, 6>> motion_covariance;
+};
+
+struct PointEvidence {
+  int frame = 0;
+  double u_px = 0.0, v_px = 0.0, depth_m = 0.0;
+  double speed_mps = 0.0;
+  bool moving = false;  // decided so
+};
+
+struct Record {
+  Estimate estimate;
+  std::vector<PoseEvidence> poses;
+  std::optional<std::vector<PointEvidence>> points;  // nothing: recorded without EGOMOD_TRACKS
+};
+
+// A log of egomodd. Throws an exception that names file and place, also where the log is cut off.
+[[nodiscard]] Record read_record(const std::string& log);
+
+}  // namespace egomod::eval
