@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "egomod/core/stereo_pair.hpp"
+
+namespace egomod::bench {
+
+// The pairs to measure on: $EGOMOD_BENCH_SEQUENCE (default rendered_crossing_turn_640) of
+// $EGOMOD_DATA_DIR, or the built-in rendered room when that is not set. Throws std::runtime_error
+// naming what is missing.
+[[nodiscard]] std::vector<StereoPair> load_pairs();
+[[nodiscard]] std::string pairs_name();
+
+}  // namespace egomod::bench
