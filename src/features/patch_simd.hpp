@@ -16,9 +16,12 @@ constexpr int kLanes = 4;
 using Float = float __attribute__((vector_size(16)));
 using Int = int __attribute__((vector_size(16)));
 #endif
+// One row of pixels of a patch.
+using RowBytes = unsigned char __attribute__((vector_size(16)));
+using RowShorts = short __attribute__((vector_size(32)));
+using RowFloats = float __attribute__((vector_size(64)));
 
 inline Float splat(float x) { return Float{} + x; }
-inline Int splat_int(int x) { return Int{} + x; }
 inline Float load(const float* p) {
   Float x;
   __builtin_memcpy(&x, p, sizeof(x));
@@ -27,6 +30,16 @@ inline Float load(const float* p) {
 inline void store(float* p, Float x) { __builtin_memcpy(p, &x, sizeof(x)); }
 inline Int truncated(Float x) { return __builtin_convertvector(x, Int); }
 inline Float as_float(Int x) { return __builtin_convertvector(x, Float); }
+
+inline void load_row(const unsigned char* p, RowShorts& row) {
+  RowBytes bytes;
+  __builtin_memcpy(&bytes, p, sizeof(bytes));
+  row = __builtin_convertvector(bytes, RowShorts);
+}
+inline void store_row(float* p, const RowShorts& row, float scale) {
+  const RowFloats floats = __builtin_convertvector(row, RowFloats) * scale;
+  __builtin_memcpy(p, &floats, sizeof(floats));
+}
 
 inline float sum(Float x) {
   float total = 0.0F;
@@ -47,47 +60,35 @@ inline float sum(Float x) {
   return total;
 }
 
-// Four neighbouring pixels from each lane's offset, as bytes of one 32-bit integer.
-inline Int gather_pixels(const unsigned char* base, Int offset) {
-#if defined(__AVX512BW__)
-  return Int(_mm512_i32gather_epi32(__m512i(offset), base, 1));
-#elif defined(__AVX2__)
-  return Int(_mm256_i32gather_epi32(reinterpret_cast<const int*>(base), __m256i(offset), 1));
-#else
-  Int pixels;
-  for (int i = 0; i < kLanes; ++i) {
-    int four;
-    __builtin_memcpy(&four, base + offset[i], 4);
-    pixels[i] = four;
-  }
-  return pixels;
-#endif
-}
-
 // Cubic convolution (R. Keys, 1981) with the sharper a = -0.75: on sensor-sampled images, which
 // carry aliasing, it measured 0.01 px better than -0.5.
 constexpr float kCubic = -0.75F;
 
-// Weights of the pixels at -1, 0, 1, 2 for a fraction f.
-struct CubicWeights {
-  Float w[4];
+// Weights of neighbouring pixels: of those at -1, 0, 1, 2, or of those at 0, 1.
+template <int kTaps>
+struct Weights {
+  Float w[kTaps];
 };
-inline CubicWeights cubic_weights(Float f) {
+template <int kTaps>
+Weights<kTaps> weights_at(Float f) {
   const Float g = 1.0F - f;
-  const Float fg = f * g * kCubic;
-  const Float first = fg * g;
-  const Float last = fg * f;
-  const Float second = f * f * ((kCubic + 2.0F) * f - (kCubic + 3.0F)) + 1.0F;
-  return {{first, second, 1.0F - first - second - last, last}};
+  if constexpr (kTaps == 2) {
+    return {{g, f}};
+  } else {
+    const Float fg = f * g * kCubic;
+    const Float first = fg * g;
+    const Float last = fg * f;
+    const Float second = f * f * ((kCubic + 2.0F) * f - (kCubic + 3.0F)) + 1.0F;
+    return {{first, second, 1.0F - first - second - last, last}};
+  }
 }
 
+// Cells: four lanes each, which read from 16 pixels of their own. A row of pixels is interpolated
+// in every lane at its own place: `index` names the first of the lane's kTaps pixels in its cell.
 #if defined(__SSE4_1__)
-// Fixed-point pixel rows: two 16-bit products a lane and instruction, weights in 14 bits.
+// Fixed point: two 16-bit products a lane and instruction, weights in 14 bits.
 constexpr float kWeightOne = 16384.0F;
-struct RowWeights {
-  Int w01;
-  Int w23;
-};
+
 inline Int rounded(Float x) {
 #if defined(__AVX512BW__)
   return Int(_mm512_cvtps_epi32(x));
@@ -97,60 +98,102 @@ inline Int rounded(Float x) {
   return Int(_mm_cvtps_epi32(x));
 #endif
 }
-inline RowWeights row_weights(Float f) {
-  const CubicWeights weights = cubic_weights(f);
-  const Int w0 = rounded(weights.w[0] * kWeightOne);
-  const Int w1 = rounded(weights.w[1] * kWeightOne);
-  const Int w3 = rounded(weights.w[3] * kWeightOne);
-  const Int w2 = int(kWeightOne) - w0 - w1 - w3;
-  return {(w0 & 0xFFFF) | (w1 << 16), (w2 & 0xFFFF) | (w3 << 16)};
-}
-inline Float weighted_row(Int pixels, const RowWeights& weights) {
+// The first and the last two of the pixels of each lane, as 16-bit numbers.
+inline Int picked(Int pixels, Int places) {
 #if defined(__AVX512BW__)
-  const __m512i first_two = _mm512_broadcast_i32x4(
-      _mm_setr_epi8(0, -1, 1, -1, 4, -1, 5, -1, 8, -1, 9, -1, 12, -1, 13, -1));
-  const __m512i last_two = _mm512_broadcast_i32x4(
-      _mm_setr_epi8(2, -1, 3, -1, 6, -1, 7, -1, 10, -1, 11, -1, 14, -1, 15, -1));
-  const __m512i first = _mm512_shuffle_epi8(__m512i(pixels), first_two);
-  const __m512i second = _mm512_shuffle_epi8(__m512i(pixels), last_two);
-  const __m512i products = _mm512_add_epi32(_mm512_madd_epi16(first, __m512i(weights.w01)),
-                                            _mm512_madd_epi16(second, __m512i(weights.w23)));
-  return as_float(Int(products));
+  return Int(_mm512_shuffle_epi8(__m512i(pixels), __m512i(places)));
 #elif defined(__AVX2__)
-  const __m256i first_two = _mm256_broadcastsi128_si256(
-      _mm_setr_epi8(0, -1, 1, -1, 4, -1, 5, -1, 8, -1, 9, -1, 12, -1, 13, -1));
-  const __m256i last_two = _mm256_broadcastsi128_si256(
-      _mm_setr_epi8(2, -1, 3, -1, 6, -1, 7, -1, 10, -1, 11, -1, 14, -1, 15, -1));
-  const __m256i first = _mm256_shuffle_epi8(__m256i(pixels), first_two);
-  const __m256i second = _mm256_shuffle_epi8(__m256i(pixels), last_two);
-  const __m256i products = _mm256_add_epi32(_mm256_madd_epi16(first, __m256i(weights.w01)),
-                                            _mm256_madd_epi16(second, __m256i(weights.w23)));
-  return as_float(Int(products));
+  return Int(_mm256_shuffle_epi8(__m256i(pixels), __m256i(places)));
 #else
-  const __m128i first_two = _mm_setr_epi8(0, -1, 1, -1, 4, -1, 5, -1, 8, -1, 9, -1, 12, -1, 13, -1);
-  const __m128i last_two =
-      _mm_setr_epi8(2, -1, 3, -1, 6, -1, 7, -1, 10, -1, 11, -1, 14, -1, 15, -1);
-  const __m128i first = _mm_shuffle_epi8(__m128i(pixels), first_two);
-  const __m128i second = _mm_shuffle_epi8(__m128i(pixels), last_two);
-  const __m128i products = _mm_add_epi32(_mm_madd_epi16(first, __m128i(weights.w01)),
-                                         _mm_madd_epi16(second, __m128i(weights.w23)));
-  return as_float(Int(products));
+  return Int(_mm_shuffle_epi8(__m128i(pixels), __m128i(places)));
 #endif
 }
+inline Int products(Int pixels, Int weights) {
+#if defined(__AVX512BW__)
+  return Int(_mm512_madd_epi16(__m512i(pixels), __m512i(weights)));
+#elif defined(__AVX2__)
+  return Int(_mm256_madd_epi16(__m256i(pixels), __m256i(weights)));
+#else
+  return Int(_mm_madd_epi16(__m128i(pixels), __m128i(weights)));
+#endif
+}
+
+template <int kTaps>
+class RowInterpolator {
+ public:
+  RowInterpolator(Int index, Float fraction) {
+    const Weights<kTaps> at = weights_at<kTaps>(fraction);
+    // Bytes (index, zero, index + 1, zero) of each lane.
+    places_ = index * 0x00010001 + int(0x80018000U);
+    const Int w0 = rounded(at.w[0] * kWeightOne);
+    if constexpr (kTaps == 2) {
+      first_ = packed(w0, int(kWeightOne) - w0);
+    } else {
+      const Int w1 = rounded(at.w[1] * kWeightOne);
+      const Int w3 = rounded(at.w[3] * kWeightOne);
+      first_ = packed(w0, w1);
+      last_ = packed(int(kWeightOne) - w0 - w1 - w3, w3);
+    }
+  }
+  // kWeightOne times the interpolated grey value.
+  [[nodiscard]] Float operator()(Int pixels) const {
+    Int total = products(picked(pixels, places_), first_);
+    if constexpr (kTaps == 4) total += products(picked(pixels, places_ + 0x00020002), last_);
+    return as_float(total);
+  }
+
+ private:
+  static Int packed(Int low, Int high) { return (low & 0xFFFF) | (high << 16); }
+
+  Int places_;
+  Int first_;
+  Int last_{};
+};
 #else
 constexpr float kWeightOne = 1.0F;
-using RowWeights = CubicWeights;
-inline RowWeights row_weights(Float f) { return cubic_weights(f); }
-inline Float weighted_row(Int pixels, const RowWeights& weights) {
-  Float total = as_float(pixels & 0xFF) * weights.w[0];
-  total += as_float((pixels >> 8) & 0xFF) * weights.w[1];
-  total += as_float((pixels >> 16) & 0xFF) * weights.w[2];
-  return total + as_float((pixels >> 24) & 0xFF) * weights.w[3];
-}
+
+template <int kTaps>
+class RowInterpolator {
+ public:
+  RowInterpolator(Int index, Float fraction)
+      : index_(index), weights_(weights_at<kTaps>(fraction)) {}
+  [[nodiscard]] Float operator()(Int pixels) const {
+    unsigned char bytes[sizeof(Int)];
+    __builtin_memcpy(bytes, &pixels, sizeof(bytes));
+    Float total{};
+    for (int k = 0; k < kTaps; ++k) {
+      Float tap{};
+      for (int i = 0; i < kLanes; ++i)
+        tap[i] = static_cast<float>(bytes[(i / 4) * 16 + index_[i] + k]);
+      total += tap * weights_.w[k];
+    }
+    return total;
+  }
+
+ private:
+  Int index_;
+  Weights<kTaps> weights_;
+};
 #endif
 
-// The first two of four pixels, interpolated; f in 0..1.
-inline Float weighted_two(Int pixels, Float f) {
-  const Float first = as_float(pixels & 0xFF);
-  return first * kWeightOne + (as_float((pixels >> 8) & 0xFF) - first) * (f * kWeightOne);
+// 16 pixels for each cell, from its first lane's offset.
+inline Int load_cells(const unsigned char* base, const int* offsets) {
+#if defined(__SSE4_1__)
+  const auto cell = [&](int k) {
+    return _mm_loadu_si128(reinterpret_cast<const __m128i*>(base + offsets[4 * k]));
+  };
+#endif
+#if defined(__AVX512BW__)
+  const __m256i low = _mm256_inserti128_si256(_mm256_castsi128_si256(cell(0)), cell(1), 1);
+  const __m256i high = _mm256_inserti128_si256(_mm256_castsi128_si256(cell(2)), cell(3), 1);
+  return Int(_mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1));
+#elif defined(__AVX2__)
+  return Int(_mm256_inserti128_si256(_mm256_castsi128_si256(cell(0)), cell(1), 1));
+#elif defined(__SSE4_1__)
+  return Int(cell(0));
+#else
+  Int row;
+  __builtin_memcpy(&row, base + offsets[0], sizeof(row));
+  return row;
+#endif
 }

@@ -10,8 +10,8 @@ namespace egomod {
 // weighted mean and contrast are taken out, and the two are projected out of the steepest-descent
 // images. Templates sit on whole pixels, so that building one interpolates nothing.
 inline constexpr int kPatchRadius_px = 5;
-inline constexpr int kPatchPixels = 121;
-inline constexpr int kPatchLanes = 128;  // padded with lanes of weight zero
+inline constexpr int kPatchSide_px = 2 * kPatchRadius_px + 1;
+inline constexpr int kPatchLanes = 144;  // rows of 12; those that are no pixels have weight zero
 // A template needs this distance to the image border: the gradient filter reads two pixels beyond.
 inline constexpr int kTemplateMargin_px = kPatchRadius_px + 2;
 
