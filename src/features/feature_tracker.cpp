@@ -173,8 +173,8 @@ void FeatureTracker::Implementation::begin_pair(const StereoPair& pair) {
   if (restarted_) store_.clear();
   newest_ = 1 - newest_;
   current().take(pair);
-  rig_motion_.begin_pair(pair.calibration.camera, !restarted_);
   const float interval_ratio = next_interval_ratio(pair.exposure);
+  rig_motion_.begin_pair(pair.calibration.camera, !restarted_, interval_ratio);
   for (FollowedPoint& point : store_.points()) {
     ++point.age;
     point.flow.u_px *= interval_ratio;
@@ -193,12 +193,16 @@ void FeatureTracker::Implementation::begin_pair(const StereoPair& pair) {
 
 void FeatureTracker::Implementation::follow() {
   TemporalAlignment& temporal = workers_->temporal;
-  temporal.follow_constant_motion(previous(), current(), store_);
+  using Part = TemporalAlignment::Part;
+  temporal.follow_expected(Part::kScouts, rig_motion_, previous(), current(), store_);
+  rig_motion_.guess(store_);
+  temporal.follow_expected(Part::kOthers, rig_motion_, previous(), current(), store_);
   if (lost_share() < kSurpriseShare) follow_others();
   const bool bridging = lost_share() > kBridgingShare;
   if (bridging) bridge();
   temporal.give_up_young_loners(rig_motion_, store_);
   if (!bridging) workers_->movers.find_lost(previous(), current(), rig_motion_, temporal, store_);
+  TemporalAlignment::remember_resting(rig_motion_, store_);
 }
 
 void FeatureTracker::Implementation::follow_others() {

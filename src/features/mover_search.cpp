@@ -114,8 +114,8 @@ void MoverSearch::choose_clustered(const TrackStore& store) {
 void MoverSearch::vote_by_followed(const RigMotion& motion, const TrackStore& store) {
   for (std::size_t i = 0; i < store.points().size(); ++i) {
     const FollowedPoint& p = store.points()[i];
-    const std::optional<ImagePoint> resting = motion.predict(p);
-    if (!p.followed || !resting || distance(*resting, p.left) < kOwnMotion_px) continue;
+    const auto resting = motion.predict(p);
+    if (!p.followed || !resting || distance(resting->left, p.left) < kOwnMotion_px) continue;
     votes_.push_back({place_of(p, i), p.flow});
   }
 }

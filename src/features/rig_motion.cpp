@@ -27,10 +27,13 @@ Eigen::Vector2d normalised(const StereoCamera& camera, ImagePoint p) {
 
 }  // namespace
 
-void RigMotion::begin_pair(const StereoCamera& camera, bool moving_on) {
+void RigMotion::begin_pair(const StereoCamera& camera, bool moving_on, float interval_ratio) {
+  known_ = known_ && moving_on && camera == camera_;
   camera_ = camera;
-  known_ = false;
-  if (!moving_on) T_current_previous_ = Eigen::Isometry3d::Identity();
+  if (!known_) T_current_previous_ = Eigen::Isometry3d::Identity();
+  if (interval_ratio != 1.0F)
+    T_current_previous_ =
+        se3_exp(static_cast<double>(interval_ratio) * se3_log(T_current_previous_));
   samples_.reserve(kMaxSamples);
 }
 
@@ -95,14 +98,15 @@ bool RigMotion::guess(const TrackStore& store) {
   return known_;
 }
 
-std::optional<ImagePoint> RigMotion::predict(const FollowedPoint& point) const {
+std::optional<RigMotion::Resting> RigMotion::predict(const FollowedPoint& point) const {
   const float disparity_px = point.previous_stereo.disparity_px;
   if (!known_ || disparity_px < kMinDisparity_px) return {};
   const Eigen::Vector3d uvd(point.previous_left.u_px, point.previous_left.v_px, disparity_px);
   const Eigen::Vector3d Q = T_current_previous_ * triangulate(camera_, uvd);
   if (Q.z() < kMinDepth_m) return {};
   const Eigen::Vector3d now = project(camera_, Q);
-  return ImagePoint{static_cast<float>(now.x()), static_cast<float>(now.y())};
+  return Resting{.left = {static_cast<float>(now.x()), static_cast<float>(now.y())},
+                 .disparity_px = static_cast<float>(now.z())};
 }
 
 }  // namespace egomod

@@ -15,14 +15,20 @@ namespace egomod {
 // point that moves is found elsewhere. Threads: one caller.
 class RigMotion {
  public:
-  // Forgets the guess and, where `moving_on` is not set, the motion that the next one starts from.
-  void begin_pair(const StereoCamera& camera, bool moving_on);
+  // The last motion goes on, for `interval_ratio` times as long as the last pair took; without
+  // `moving_on`, nothing is known of it.
+  void begin_pair(const StereoCamera& camera, bool moving_on, float interval_ratio);
 
   // From the points that are followed and had a disparity; false where they agree on no motion.
   bool guess(const TrackStore& store);
 
-  // Where the point is now if it rests; nothing without a guess or a disparity.
-  [[nodiscard]] std::optional<ImagePoint> predict(const FollowedPoint& point) const;
+  // A resting point now: where it is seen, and its disparity.
+  struct Resting {
+    ImagePoint left;
+    float disparity_px = 0.0F;
+  };
+  // Nothing where the motion is unknown, or the point's depth.
+  [[nodiscard]] std::optional<Resting> predict(const FollowedPoint& point) const;
 
  private:
   struct Sample {

@@ -29,7 +29,10 @@ constexpr std::ptrdiff_t kMinCompanions = 3;
 // A point that is further from where it would rest has a motion of its own, or is a look-alike.
 constexpr float kResting_px = 4.0F;
 constexpr std::uint32_t kYoungAge = 3;
-constexpr float kOwnMotionMargin = 0.05F;  // by which NCC must be better than at rest
+constexpr std::size_t kScouts = 150;
+constexpr float kTellingDisparity_px = 3.0F;  // smaller ones are too noisy to tell growth
+constexpr float kMaxGrowth = 1.3F;            // a pair
+constexpr float kOwnMotionMargin = 0.05F;     // by which NCC must be better than at rest
 
 // Of the half-resolution search. Constant motion errs by a few pixels; a new point's may be new.
 constexpr int kSearchLevel = 1;
@@ -54,6 +57,14 @@ bool plausible(const ImageView& image, const AffineWarp& warp, ImagePoint offset
 float distance(ImagePoint a, ImagePoint b) { return std::hypot(a.u_px - b.u_px, a.v_px - b.v_px); }
 ImagePoint sum(ImagePoint a, ImagePoint b) { return {a.u_px + b.u_px, a.v_px + b.v_px}; }
 ImagePoint difference(ImagePoint a, ImagePoint b) { return {a.u_px - b.u_px, a.v_px - b.v_px}; }
+
+AffineWarp grown(AffineWarp warp, float growth) {
+  warp.a *= growth;
+  warp.b *= growth;
+  warp.c *= growth;
+  warp.d *= growth;
+  return warp;
+}
 
 void accept(const AffineWarp& warp, float ncc, FollowedPoint& point) {
   if (ncc < kMinNcc) return;
@@ -90,8 +101,10 @@ ImagePoint TemporalAlignment::search(const StereoImages& previous, const StereoI
 TemporalAlignment::Attempt TemporalAlignment::align_from(const StereoImages& current,
                                                          const TrackStore& store,
                                                          const FollowedPoint& point,
-                                                         ImagePoint start) const {
-  Attempt attempt{.warp = moved_to(point.previous_warp, point.offset, start)};
+                                                         const Expectation& expected) const {
+  const ImagePoint start = expected.left;
+  Attempt attempt{.warp =
+                      moved_to(grown(point.previous_warp, expected.growth), point.offset, start)};
   const ImageView image = current.left.level(0);
   const AlignmentResult result = align(image, store.anchor(point), kMaxSteps, attempt.warp);
   const bool converged = result.step_px < kMaxLastStep_px &&
@@ -102,24 +115,53 @@ TemporalAlignment::Attempt TemporalAlignment::align_from(const StereoImages& cur
 
 TemporalAlignment::Attempt TemporalAlignment::search_and_align(
     const StereoImages& previous, const StereoImages& current, const TrackStore& store,
-    const FollowedPoint& point, ImagePoint predicted, int radius_px) {
-  return align_from(current, store, point,
-                    search(previous, current, point.previous_left, predicted, radius_px));
+    const FollowedPoint& point, const Expectation& expected, int radius_px) {
+  const ImagePoint found = search(previous, current, point.previous_left, expected.left, radius_px);
+  return align_from(current, store, point, {found, expected.growth});
 }
 
-void TemporalAlignment::follow_constant_motion(const StereoImages& previous,
-                                               const StereoImages& current, TrackStore& store) {
-  const bool any_motion = std::any_of(store.points().begin(), store.points().end(),
-                                      [](const FollowedPoint& p) { return p.has_flow; });
+void TemporalAlignment::follow_expected(Part part, const RigMotion& motion,
+                                        const StereoImages& previous, const StereoImages& current,
+                                        TrackStore& store) {
+  std::vector<FollowedPoint>& points = store.points();
+  const bool any_motion =
+      std::any_of(points.begin(), points.end(), [](const FollowedPoint& p) { return p.has_flow; });
+  const std::size_t stride = 1 + points.size() / kScouts;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if ((i % stride == stride / 2) != (part == Part::kScouts)) continue;
+    follow_one(motion, any_motion, previous, current, store, points[i]);
+  }
+}
+
+void TemporalAlignment::follow_one(const RigMotion& motion, bool any_motion,
+                                   const StereoImages& previous, const StereoImages& current,
+                                   const TrackStore& store, FollowedPoint& point) {
+  const float disparity_px = point.previous_stereo.disparity_px;
+  point.expected_disparity_px = std::max(disparity_px + point.disparity_rate_px, 0.0F);
+  Expectation expected{.left = sum(point.previous_left, point.flow)};
+  const auto resting = point.rests ? motion.predict(point) : std::nullopt;
+  if (resting) {
+    point.expected_disparity_px = resting->disparity_px;
+    expected.left = resting->left;
+  } else if (any_motion && !point.has_flow) {
+    return;
+  }
+  if (disparity_px > kTellingDisparity_px)
+    expected.growth =
+        std::clamp(point.expected_disparity_px / disparity_px, 1.0F / kMaxGrowth, kMaxGrowth);
+  Attempt best = align_from(current, store, point, expected);
+  if (best.ncc < point.usual_ncc - kSuspiciousNccDrop) {
+    const bool known = resting || any_motion;
+    best = search_and_align(previous, current, store, point, expected,
+                            known ? kOldRadius_px : kNewRadius_px);
+  }
+  accept(best.warp, best.ncc, point);
+}
+
+void TemporalAlignment::remember_resting(const RigMotion& motion, TrackStore& store) {
   for (FollowedPoint& point : store.points()) {
-    if (any_motion && !point.has_flow) continue;
-    const ImagePoint predicted = sum(point.previous_left, point.flow);
-    Attempt best = align_from(current, store, point, predicted);
-    if (best.ncc < point.usual_ncc - kSuspiciousNccDrop) {
-      best = search_and_align(previous, current, store, point, predicted,
-                              any_motion ? kOldRadius_px : kNewRadius_px);
-    }
-    accept(best.warp, best.ncc, point);
+    const auto resting = motion.predict(point);
+    if (point.followed && resting) point.rests = distance(resting->left, point.left) < kResting_px;
   }
 }
 
@@ -174,9 +216,10 @@ void TemporalAlignment::follow_rig(const RigMotion& motion, const StereoImages& 
                                    TrackStore& store) {
   for (FollowedPoint& point : store.points()) {
     if (point.followed && point.age > kYoungAge) continue;
-    const std::optional<ImagePoint> expected = motion.predict(point);
-    if (!expected || (point.followed && distance(*expected, point.left) < kResting_px)) continue;
-    const Attempt resting = align_from(current, store, point, *expected);
+    const auto expected = motion.predict(point);
+    if (!expected || (point.followed && distance(expected->left, point.left) < kResting_px))
+      continue;
+    const Attempt resting = align_from(current, store, point, {expected->left});
     const float rival =
         point.followed ? point.ncc - kOwnMotionMargin : point.usual_ncc - kSuspiciousNccDrop;
     if (resting.ncc > rival) accept(resting.warp, resting.ncc, point);
@@ -189,13 +232,13 @@ void TemporalAlignment::follow_neighbours(const StereoImages& previous, const St
   for (FollowedPoint& point : store.points()) {
     if (point.followed) continue;
     const ImagePoint flow = neighbours_flow(point);
-    Attempt best = search_and_align(previous, current, store, point, sum(point.previous_left, flow),
-                                    kNewRadius_px);
+    Attempt best = search_and_align(previous, current, store, point,
+                                    {sum(point.previous_left, flow)}, kNewRadius_px);
     // Within the search radius, resting was among the places searched.
     const float searched_px = static_cast<float>(kNewRadius_px << kSearchLevel);
     if (std::hypot(flow.u_px, flow.v_px) > 0.5F * searched_px) {
       const Attempt resting =
-          search_and_align(previous, current, store, point, point.previous_left, kNewRadius_px);
+          search_and_align(previous, current, store, point, {point.previous_left}, kNewRadius_px);
       if (resting.ncc > best.ncc + kRestingMargin) best = resting;
     }
     accept(best.warp, best.ncc, point);
@@ -223,10 +266,10 @@ void TemporalAlignment::give_up_loners(TrackStore& store) {
 void TemporalAlignment::gather_own_motions(const RigMotion& motion, const TrackStore& store) {
   neighbours_.clear();
   for (const FollowedPoint& p : store.points()) {
-    const std::optional<ImagePoint> resting = motion.predict(p);
+    const auto resting = motion.predict(p);
     if (!p.followed || !resting) continue;
     neighbours_.push_back({p.previous_left.u_px, p.previous_left.v_px,
-                           3.0F * p.previous_stereo.disparity_px, difference(p.left, *resting),
+                           3.0F * p.previous_stereo.disparity_px, difference(p.left, resting->left),
                            p.id});
   }
 }
@@ -234,9 +277,9 @@ void TemporalAlignment::gather_own_motions(const RigMotion& motion, const TrackS
 void TemporalAlignment::give_up_young_loners(const RigMotion& motion, TrackStore& store) {
   gather_own_motions(motion, store);
   for (FollowedPoint& point : store.points()) {
-    const std::optional<ImagePoint> resting = motion.predict(point);
+    const auto resting = motion.predict(point);
     if (!point.followed || point.age > kYoungAge || !resting) continue;
-    const ImagePoint own = difference(point.left, *resting);
+    const ImagePoint own = difference(point.left, resting->left);
     if (std::hypot(own.u_px, own.v_px) > kResting_px && is_loner(point, own))
       point.followed = false;
   }
@@ -248,7 +291,7 @@ void TemporalAlignment::follow_best(const StereoImages& previous, const StereoIm
   Attempt best;
   for (const ImagePoint flow : flows) {
     const Attempt attempt = search_and_align(previous, current, store, point,
-                                             sum(point.previous_left, flow), radius_px);
+                                             {sum(point.previous_left, flow)}, radius_px);
     if (attempt.ncc > best.ncc) best = attempt;
   }
   if (best.ncc >= min_ncc) accept(best.warp, best.ncc, point);
@@ -259,12 +302,7 @@ void TemporalAlignment::follow_to(const StereoImages& current, const TrackStore&
   const ImageView image = current.left.level(0);
   Attempt best;
   for (const float scale : {1.0F, 0.83F, 1.2F}) {
-    AffineWarp warp = point.previous_warp;
-    warp.a *= scale;
-    warp.b *= scale;
-    warp.c *= scale;
-    warp.d *= scale;
-    warp = moved_to(warp, point.offset, expected);
+    AffineWarp warp = moved_to(grown(point.previous_warp, scale), point.offset, expected);
     const AlignmentResult result = align(image, store.anchor(point), 2 * kMaxSteps, warp);
     const bool near = distance(point_of(warp, point.offset), expected) < 2 * kMaxCorrection_px;
     if (result.step_px < kMaxLastStep_px && near && result.ncc > best.ncc &&

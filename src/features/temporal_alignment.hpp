@@ -22,13 +22,17 @@ class TemporalAlignment {
     neighbours_.reserve(static_cast<std::size_t>(capacity));
   }
 
-  // Points with a motion of their own, expected to go on with it; without any such, all from where
-  // they were.
-  void follow_constant_motion(const StereoImages& previous, const StereoImages& current,
-                              TrackStore& store);
+  // Points that rested so far, expected where they rest under `motion`, others to go on as they
+  // moved; without any motion known, all from where they were. `scouts` are few and spread evenly:
+  // enough to tell the rig's motion.
+  enum class Part { kScouts, kOthers };
+  void follow_expected(Part part, const RigMotion& motion, const StereoImages& previous,
+                       const StereoImages& current, TrackStore& store);
   // The points not found yet: where they are if they rest and the rig moved as `motion` says. Young
   // points found elsewhere look there as well, and stay where they fit better.
   void follow_rig(const RigMotion& motion, const StereoImages& current, TrackStore& store);
+  // Who was seen where it would rest.
+  static void remember_resting(const RigMotion& motion, TrackStore& store);
   // The points not found yet: as their nearest neighbours moved in this pair, or not at all, since
   // a point may belong to something that moves with the rig; whichever fits better.
   void follow_neighbours(const StereoImages& previous, const StereoImages& current,
@@ -57,14 +61,21 @@ class TemporalAlignment {
     AffineWarp warp;
     float ncc = -1.0F;
   };
+  // Growth: of the view since the previous pair.
+  struct Expectation {
+    ImagePoint left;
+    float growth = 1.0F;
+  };
   template <std::size_t kCount>
   using Flows = std::array<ImagePoint, kCount>;
 
   [[nodiscard]] Attempt align_from(const StereoImages& current, const TrackStore& store,
-                                   const FollowedPoint& point, ImagePoint start) const;
+                                   const FollowedPoint& point, const Expectation& expected) const;
   [[nodiscard]] Attempt search_and_align(const StereoImages& previous, const StereoImages& current,
                                          const TrackStore& store, const FollowedPoint& point,
-                                         ImagePoint predicted, int radius_px);
+                                         const Expectation& expected, int radius_px);
+  void follow_one(const RigMotion& motion, bool any_motion, const StereoImages& previous,
+                  const StereoImages& current, const TrackStore& store, FollowedPoint& point);
   [[nodiscard]] ImagePoint search(const StereoImages& previous, const StereoImages& current,
                                   ImagePoint from, ImagePoint predicted, int radius_px);
   void gather_neighbours(const TrackStore& store);

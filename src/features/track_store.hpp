@@ -41,7 +41,9 @@ struct FollowedPoint {
 
   StereoMeasurement stereo;  // the last valid one, `valid` only when of this pair
   StereoMeasurement previous_stereo;
-  float disparity_rate_px = 0.0F;  // a pair
+  float disparity_rate_px = 0.0F;      // a pair
+  float expected_disparity_px = 0.0F;  // in this pair
+  bool rests = true;                   // was seen where it would rest, so far
   int pairs_without_stereo = 0;
 
   bool followed = false;  // found in this pair's left image

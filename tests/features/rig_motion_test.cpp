@@ -54,7 +54,7 @@ TEST(RigMotionTest, PredictsRestingPointsAmongMovers) {
   TrackStore store(kPoints);
   fill(store, 0.3);
   RigMotion motion;
-  motion.begin_pair(kCamera, true);
+  motion.begin_pair(kCamera, true, 1.0F);
   ASSERT_TRUE(motion.guess(store));
   for (std::size_t i = kPoints / 2; i < kPoints; ++i) {
     const FollowedPoint& point = store.points()[i];
@@ -72,7 +72,7 @@ TEST(RigMotionTest, SaysNothingWherePointsDisagree) {
   std::uniform_real_distribution<float> anywhere(0.0F, 480.0F);
   for (FollowedPoint& point : store.points()) point.left = {anywhere(random), anywhere(random)};
   RigMotion motion;
-  motion.begin_pair(kCamera, true);
+  motion.begin_pair(kCamera, true, 1.0F);
   EXPECT_FALSE(motion.guess(store));
   EXPECT_FALSE(motion.predict(store.points().front()).has_value());
 }
@@ -83,7 +83,7 @@ TEST(RigMotionTest, SaysNothingOfFewPointsOrWithoutACamera) {
   RigMotion motion;
   motion.begin_pair(StereoCamera{}, true);
   EXPECT_FALSE(motion.guess(store));
-  motion.begin_pair(kCamera, true);
+  motion.begin_pair(kCamera, true, 1.0F);
   for (std::size_t i = 5; i < kPoints; ++i) store.points()[i].followed = false;
   EXPECT_FALSE(motion.guess(store));
 }
@@ -92,7 +92,7 @@ TEST(RigMotionTest, PredictsNothingWithoutADisparity) {
   TrackStore store(kPoints);
   fill(store, 0.0);
   RigMotion motion;
-  motion.begin_pair(kCamera, true);
+  motion.begin_pair(kCamera, true, 1.0F);
   ASSERT_TRUE(motion.guess(store));
   store.points().front().previous_stereo.disparity_px = 0.0F;
   EXPECT_FALSE(motion.predict(store.points().front()).has_value());
