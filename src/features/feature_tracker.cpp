@@ -208,7 +208,7 @@ void FeatureTracker::Implementation::follow() {
 void FeatureTracker::Implementation::follow_others() {
   rig_motion_.guess(store_);
   workers_->temporal.follow_rig(rig_motion_, current(), store_);
-  workers_->temporal.follow_neighbours(previous(), current(), store_);
+  workers_->temporal.follow_neighbours(rig_motion_, previous(), current(), store_);
 }
 
 // Where most points are not found as predicted, the few that are may be look-alikes: all start over

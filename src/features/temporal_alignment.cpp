@@ -226,11 +226,13 @@ void TemporalAlignment::follow_rig(const RigMotion& motion, const StereoImages& 
   }
 }
 
-void TemporalAlignment::follow_neighbours(const StereoImages& previous, const StereoImages& current,
-                                          TrackStore& store) {
+void TemporalAlignment::follow_neighbours(const RigMotion& motion, const StereoImages& previous,
+                                          const StereoImages& current, TrackStore& store) {
   gather_neighbours(store);
   for (FollowedPoint& point : store.points()) {
-    if (point.followed) continue;
+    // What rested for some pairs and is not where it would rest is hidden, or gone.
+    const bool hidden = point.rests && point.age > kYoungAge && motion.predict(point);
+    if (point.followed || hidden) continue;
     const ImagePoint flow = neighbours_flow(point);
     Attempt best = search_and_align(previous, current, store, point,
                                     {sum(point.previous_left, flow)}, kNewRadius_px);

@@ -35,8 +35,8 @@ class TemporalAlignment {
   static void remember_resting(const RigMotion& motion, TrackStore& store);
   // The points not found yet: as their nearest neighbours moved in this pair, or not at all, since
   // a point may belong to something that moves with the rig; whichever fits better.
-  void follow_neighbours(const StereoImages& previous, const StereoImages& current,
-                         TrackStore& store);
+  void follow_neighbours(const RigMotion& motion, const StereoImages& previous,
+                         const StereoImages& current, TrackStore& store);
   // Gives up points whose flow hardly any of their neighbours shares: in a wide search things that
   // merely look alike are found often, and each of them somewhere else.
   void give_up_loners(TrackStore& store);
