@@ -102,7 +102,7 @@ CornerDetector::Bucket* CornerDetector::bucket_at(int u, int v) {
   return &buckets_[static_cast<std::size_t>(r * columns_ + c)];
 }
 
-void CornerDetector::occupy(std::span<const ImagePoint> points, float room_factor) {
+void CornerDetector::occupy(std::span<const ImagePoint> points) {
   std::fill(blocked_.begin(), blocked_.end(), std::uint8_t{0});
   for (Bucket& bucket : buckets_) bucket.wanted = config_.corners_per_bucket;
   for (const ImagePoint& point : points) {
@@ -112,18 +112,16 @@ void CornerDetector::occupy(std::span<const ImagePoint> points, float room_facto
     block(u, v);
     if (Bucket* bucket = bucket_at(u, v)) --bucket->wanted;
   }
-  for (Bucket& bucket : buckets_)
-    bucket.wanted =
-        static_cast<int>(std::ceil(room_factor * static_cast<float>(std::max(bucket.wanted, 0))));
+  for (Bucket& bucket : buckets_) bucket.wanted = std::max(bucket.wanted, 0);
 }
 
-void CornerDetector::spare_the_hopeless() {
+void CornerDetector::spare_what_can_wait() {
   ++calls_;
   for (std::size_t i = 0; i < buckets_.size(); ++i) {
     Bucket& bucket = buckets_[i];
-    const bool has_lost_some = bucket.wanted > bucket.wanted_before;
+    const bool has_lost_many = bucket.wanted > bucket.wanted_before && bucket.wanted >= kManyLost;
     bucket.wanted_before = bucket.wanted;
-    if (!has_lost_some && (calls_ + i) % kPatience != 0) bucket.wanted = 0;
+    if (!has_lost_many && (calls_ + i) % kPatience != 0) bucket.wanted = 0;
   }
 }
 
@@ -194,7 +192,7 @@ void CornerDetector::select(int wanted, std::vector<Corner>& corners) {
   }
 }
 
-void CornerDetector::search(const ImageView& image, const Bucket& bucket,
+void CornerDetector::search(const ImageView& image, const Bucket& bucket, int wanted,
                             std::vector<Corner>& corners) {
   const ImageKernels kernels = image_kernels();
   const std::ptrdiff_t stride = bucket_stride();
@@ -207,9 +205,9 @@ void CornerDetector::search(const ImageView& image, const Bucket& bucket,
                              contrast_.data() + row, bright_.data() + row);
   }
   collect_hits(bucket);
-  keep_strongest_hits(bucket.wanted);
+  keep_strongest_hits(wanted);
   score_hits(image);
-  select(bucket.wanted, corners);
+  select(wanted, corners);
 }
 
 void CornerDetector::detect(const ImageView& image, std::span<const ImagePoint> occupied,
@@ -217,11 +215,14 @@ void CornerDetector::detect(const ImageView& image, std::span<const ImagePoint> 
   corners.clear();
   lay_out(image);
   if (buckets_.empty()) return;
-  occupy(occupied, room_factor);
-  if (!occupied.empty()) spare_the_hopeless();
+  occupy(occupied);
+  if (!occupied.empty()) spare_what_can_wait();
   noise_sigma_ = estimate_noise_sigma(image);
-  for (const Bucket& bucket : buckets_)
-    if (bucket.wanted > 0) search(image, bucket, corners);
+  for (Bucket& bucket : buckets_) {
+    if (bucket.wanted == 0) continue;
+    const auto tries = static_cast<int>(std::ceil(room_factor * static_cast<float>(bucket.wanted)));
+    search(image, bucket, tries, corners);
+  }
   const auto order = [](const Corner& c) {
     return std::tuple(c.rank, -c.min_eigenvalue, c.position.v_px, c.position.u_px);
   };

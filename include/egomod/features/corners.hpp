@@ -48,12 +48,13 @@ class CornerDetector {
   // in. Order: by rank, then by falling min_eigenvalue, so that a caller who stops anywhere has an
   // even coverage. `room_factor` times as many as there is room for, since some will not find a
   // partner.
-  // A bucket that could not be filled and has lost nothing since is tried again only every
-  // kPatience-th call, unless there are no tracks at all.
+  // Unless there are no tracks at all, a bucket that has not just lost some, so that kManyLost are
+  // missing, waits for its turn, every kPatience-th call.
   void detect(const ImageView& image, std::span<const ImagePoint> occupied, float room_factor,
               std::vector<Corner>& corners);
 
   static constexpr int kPatience = 4;
+  static constexpr int kManyLost = 2;
 
   // Standard deviation of the grey values that the last call took for noise.
   [[nodiscard]] float noise_sigma() const { return noise_sigma_; }
@@ -70,11 +71,12 @@ class CornerDetector {
   };
 
   void lay_out(const ImageView& image);
-  void occupy(std::span<const ImagePoint> points, float room_factor);
+  void occupy(std::span<const ImagePoint> points);
   [[nodiscard]] Bucket* bucket_at(int u, int v);
-  void spare_the_hopeless();
+  void spare_what_can_wait();
   void block(int u, int v);
-  void search(const ImageView& image, const Bucket& bucket, std::vector<Corner>& corners);
+  void search(const ImageView& image, const Bucket& bucket, int wanted,
+              std::vector<Corner>& corners);
   void collect_hits(const Bucket& bucket);
   void keep_strongest_hits(int wanted);
   void score_hits(const ImageView& image);
