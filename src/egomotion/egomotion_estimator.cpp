@@ -191,8 +191,7 @@ Solution EgomotionEstimator::solve(const TrackSet& tracks) {
 
 bool EgomotionEstimator::is_inlier(const Eigen::Isometry3d& T_current_previous, std::size_t k,
                                    const StereoCamera& camera) const {
-  if (config_.method == EgomotionMethod::kGaussNewton)
-    return gauss_newton_.distance2(T_current_previous, k) < config_.inlier_chi2;
+  if (config_.method == EgomotionMethod::kGaussNewton) return distances2_[k] < config_.inlier_chi2;
   return sigma_point_.agrees(camera, T_current_previous, correspondences_[k]);
 }
 
@@ -200,6 +199,8 @@ void EgomotionEstimator::assign_roles(const TrackSet& tracks, const Solution& so
                                       Egomotion& motion) {
   if (solution.failure == EstimateReason::kFewTracks) return;
   const Eigen::Isometry3d T = solution.T_previous_current.inverse();
+  if (config_.method == EgomotionMethod::kGaussNewton)
+    gauss_newton_.measure_distances2(T, distances2_);
   scratch_.clear();
   motion.inliers = 0;
   for (std::size_t k = 0; k < correspondences_.size(); ++k) {
@@ -216,11 +217,12 @@ void EgomotionEstimator::assign_roles(const TrackSet& tracks, const Solution& so
 }
 
 EstimateReason EgomotionEstimator::judge(const Solution& solution, const Egomotion& motion) const {
-  if (solution.failure != EstimateReason::kNone) return solution.failure;
+  if (solution.failure == EstimateReason::kFewTracks) return solution.failure;
   const double share = motion.inliers / static_cast<double>(correspondences_.size());
   const Matrix6d& C = solution.covariance;
   if (motion.inliers < config_.min_inliers || share < config_.min_inlier_share)
     return EstimateReason::kFewInliers;
+  if (solution.failure != EstimateReason::kNone) return solution.failure;
   const bool determined =
       C.allFinite() && solution.T_previous_current.matrix().allFinite() &&
       largest_sigma(C.topLeftCorner<3, 3>()) <= config_.max_translation_sigma_m &&
@@ -274,7 +276,7 @@ void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution
   pose_.compose(solution.T_previous_current, renewed_share(tracks) * solution.covariance);
   if (config_.map) against_map_ = solution.covariance;
   keep_velocity(motion);
-  adapt_noise_scale(solution.T_previous_current.inverse());
+  adapt_noise_scale();
   if (config_.map)
     map_.update(tracks.camera, tracks.tracks, pose_.T_first_current(), solution.covariance,
                 noise_scale_);
@@ -306,12 +308,12 @@ void EgomotionEstimator::fail(EstimateReason reason, const TrackSet& tracks, Ego
   if (!config_.map) pose_.doubt(motion.covariance_previous_current);
 }
 
-void EgomotionEstimator::adapt_noise_scale(const Eigen::Isometry3d& T_current_previous) {
+// From the distances under the accepted motion.
+void EgomotionEstimator::adapt_noise_scale() {
   if (config_.method != EgomotionMethod::kGaussNewton) return;
   scratch_.clear();
   for (std::size_t k = 0; k < correspondences_.size(); ++k)
-    if (correspondences_[k].static_weight > kTrusted)
-      scratch_.push_back(gauss_newton_.distance2(T_current_previous, k));
+    if (correspondences_[k].static_weight > kTrusted) scratch_.push_back(distances2_[k]);
   if (scratch_.size() < kTracksThatTellNoise) return;
   const double ratio = std::max(kMinNoiseRatio, median(scratch_, kMedianChi2Of3)) / kMedianChi2Of3;
   noise_scale_ =

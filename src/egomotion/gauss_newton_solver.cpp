@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "egomod/egomotion/gauss_newton_solver.hpp"
 
+#include <limits>
+
 namespace egomod {
 namespace {
 
@@ -17,14 +19,13 @@ Solution GaussNewtonSolver::solve(const StereoCamera& camera,
                                   std::span<const Correspondence> correspondences,
                                   const Eigen::Isometry3d& expected, std::uint64_t sequence) {
   RobustGaussNewton& gn = gauss_newton_;
-  gn.prepare(camera, correspondences, expected);
-  GaussNewtonResult best =
-      gn.refine(expected, kWideStart, stride_to_come_near(correspondences.size()));
-  if (!best.solvable || gn.support(best.T_previous_current, 0.0) < kMajority * gn.total_weight())
-    try_other_starts(correspondences, expected, sequence, best);
-  if (best.solvable) {  // once more with the covariances projected where the points really are
+  gn.prepare(camera, correspondences, expected, stride_to_come_near(correspondences.size()));
+  GaussNewtonResult best = gn.refine(expected, kWideStart);
+  if (!best.solvable || gn.support(best.T_previous_current) < kMajority * gn.total_weight())
+    try_other_starts(expected, sequence, best);
+  if (best.solvable) {  // once more, with all, their covariances projected where they really are
     gn.prepare(camera, correspondences, best.T_previous_current);
-    best = gn.refine(best.T_previous_current, 1.0, 1);
+    best = gn.refine(best.T_previous_current, 1.0);
   }
   Solution solution{.T_previous_current = best.T_previous_current};
   if (!best.solvable || !gn.covariance(best, solution.covariance))
@@ -32,22 +33,26 @@ Solution GaussNewtonSolver::solve(const StereoCamera& camera,
   return solution;
 }
 
-void GaussNewtonSolver::try_other_starts(std::span<const Correspondence> correspondences,
-                                         const Eigen::Isometry3d& expected, std::uint64_t sequence,
+void GaussNewtonSolver::try_other_starts(const Eigen::Isometry3d& expected, std::uint64_t sequence,
                                          GaussNewtonResult& best) {
-  const RobustGaussNewton& gn = gauss_newton_;
+  RobustGaussNewton& gn = gauss_newton_;
+  double best_cost =
+      best.solvable ? gn.cost(best.T_previous_current) : std::numeric_limits<double>::infinity();
   const auto try_from = [&](const Eigen::Isometry3d& start) {
-    const GaussNewtonResult other =
-        gauss_newton_.refine(start, kCloseStart, stride_to_come_near(correspondences.size()));
-    if (other.solvable && (!best.solvable || other.cost < best.cost)) best = other;
+    const GaussNewtonResult other = gn.refine(start, kCloseStart);
+    if (!other.solvable) return;
+    const double cost = gn.cost(other.T_previous_current);
+    if (cost >= best_cost) return;
+    best = other;
+    best_cost = cost;
   };
   const auto voted = ransac(
-      ransac_, sequence, correspondences.size(), gn.total_weight(),
+      ransac_, sequence, gn.size(), gn.total_weight(),
       [&](const Sample& sample, Eigen::Isometry3d& T) {
         T = expected;
         return gn.fit_sample(sample, T);
       },
-      [&](const Eigen::Isometry3d& T, double abandon) { return gn.support(T, abandon); });
+      [&](const Eigen::Isometry3d& T, double) { return gn.support(T); });
   try_from(Eigen::Isometry3d::Identity());
   for (const Hypothesis& hypothesis : voted)
     if (hypothesis.support > 0) try_from(hypothesis.T_previous_current);

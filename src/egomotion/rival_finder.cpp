@@ -7,6 +7,7 @@
 
 #include "egomod/core/geometry.hpp"
 #include "egomod/egomotion/statistics.hpp"
+#include "residual_kernels.hpp"
 
 namespace egomod {
 namespace {
@@ -66,6 +67,8 @@ void RivalFinder::reserve(std::size_t points) {
   whitened_.reserve(points);
   all_.reserve(points);
   unexplained_.reserve(points);
+  by_estimate_.reserve(points + kResidualLanes);
+  by_rival_.reserve(points + kResidualLanes);
 }
 
 bool RivalFinder::enough_outliers(std::span<const TrackRole> roles) const {
@@ -97,11 +100,11 @@ void RivalFinder::count_support(const TrackSet& tracks, const Eigen::Isometry3d&
                                 const Eigen::Isometry3d& T_rival, std::span<const MapPoint> map,
                                 Support& estimate, Support& rival) {
   whitened_.prepare(tracks.camera, all_, T_estimate);
-  const Eigen::Isometry3d by_estimate = T_estimate.inverse();
-  const Eigen::Isometry3d by_rival = T_rival.inverse();
+  whitened_.measure_distances2(T_estimate.inverse(), by_estimate_);
+  whitened_.measure_distances2(T_rival.inverse(), by_rival_);
   for (std::size_t k = 0; k < all_.size(); ++k) {
-    const bool fits_estimate = whitened_.distance2(by_estimate, k) < kChi2Of3At99Percent;
-    const bool fits_rival = whitened_.distance2(by_rival, k) < kChi2Of3At99Percent;
+    const bool fits_estimate = by_estimate_[k] < kChi2Of3At99Percent;
+    const bool fits_rival = by_rival_[k] < kChi2Of3At99Percent;
     if (fits_estimate == fits_rival) continue;
     Support& support = fits_estimate ? estimate : rival;
     support.tracks += 1.0;

@@ -4,18 +4,24 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "egomod/core/geometry.hpp"
+#include "egomod/egomotion/ransac.hpp"
 #include "egomod/egomotion/statistics.hpp"
+#include "residual_kernels.hpp"
 
 namespace egomod {
 namespace {
+
+using Column = ResidualColumns::Column;
 
 constexpr double kBehindDistance2 = 1e3;  // of a point behind the camera: an outlier, finite
 constexpr double kMinVariancePx2 = 1e-6;
 constexpr double kSampleDamping = 1e-6;  // relative; a sample may be nearly degenerate
 constexpr int kSampleSteps = 4;
 constexpr double kMaxSampleStep = 0.5;  // m or rad
+constexpr double kTellingWeight = 0.5;  // of points that tell the scale of the residuals
 
 // Lower triangle of L^-1 with S = L L^T, row by row.
 std::array<double, 6> inverse_cholesky(const Eigen::Matrix3d& S) {
@@ -32,34 +38,49 @@ std::array<double, 6> inverse_cholesky(const Eigen::Matrix3d& S) {
   return {a, b, c, -(l20 * a + l21 * b) * f, -l21 * c * f, f};
 }
 
-template <int kColumns>
-Eigen::Matrix<double, 3, kColumns> whitened(const std::array<double, 6>& w,
-                                            const Eigen::Matrix<double, 3, kColumns>& M) {
-  Eigen::Matrix<double, 3, kColumns> result;
-  result.row(0) = w[0] * M.row(0);
-  result.row(1) = w[1] * M.row(0) + w[2] * M.row(1);
-  result.row(2) = w[3] * M.row(0) + w[4] * M.row(1) + w[5] * M.row(2);
-  return result;
-}
-
 double geman_mcclure_cost(double distance2, double kernel) {
   return distance2 / (1 + distance2 / kernel);
 }
 
-}  // namespace
-
-struct RobustGaussNewton::Normal {
-  Matrix6d A = Matrix6d::Zero();
-  Vector6d b = Vector6d::Zero();
-
-  [[nodiscard]] bool solve(Vector6d& xi) const {
-    const Eigen::LDLT<Matrix6d> ldlt(A);
-    const Vector6d d = ldlt.vectorD();
-    if (ldlt.info() != Eigen::Success || !(d.minCoeff() > 1e-9 * d.maxCoeff())) return false;
-    xi = ldlt.solve(b);
-    return xi.allFinite();
+ResidualGeometry geometry(const StereoCamera& camera, const Eigen::Isometry3d& T_current_previous) {
+  ResidualGeometry g{.R = {},
+                     .t_m = {},
+                     .fx_px = camera.fx_px,
+                     .fy_px = camera.fy_px,
+                     .cx_px = camera.cx_px,
+                     .cy_px = camera.cy_px,
+                     .fx_baseline_px_m = camera.fx_px * camera.baseline_m,
+                     .min_depth_m = kMinDepthM,
+                     .behind_distance2 = kBehindDistance2};
+  for (int row = 0; row < 3; ++row) {
+    for (int k = 0; k < 3; ++k) g.R[3 * row + k] = T_current_previous.linear()(row, k);
+    g.t_m[row] = T_current_previous.translation()[row];
   }
-};
+  return g;
+}
+
+ResidualColumns view_of(const std::array<std::vector<double>, kResidualColumns>& columns) {
+  ResidualColumns view{.column = {}, .count = columns[0].size()};
+  for (std::size_t k = 0; k < kResidualColumns; ++k) view.column[k] = columns[k].data();
+  return view;
+}
+
+Matrix6d matrix(const NormalSums& sums) {
+  Matrix6d A;
+  for (int row = 0, n = 0; row < 6; ++row)
+    for (int k = 0; k <= row; ++k, ++n) A(row, k) = A(k, row) = sums.A[n];
+  return A;
+}
+
+bool solve(const Matrix6d& A, const NormalSums& sums, Vector6d& xi) {
+  const Eigen::LDLT<Matrix6d> ldlt(A);
+  const Vector6d d = ldlt.vectorD();
+  if (ldlt.info() != Eigen::Success || !(d.minCoeff() > 1e-9 * d.maxCoeff())) return false;
+  xi = ldlt.solve(Eigen::Map<const Vector6d>(sums.b));
+  return xi.allFinite();
+}
+
+}  // namespace
 
 Eigen::Matrix<double, 3, 6> motion_jacobian(const StereoCamera& camera,
                                             const Eigen::Vector3d& P_m) {
@@ -76,68 +97,92 @@ Eigen::Matrix<double, 3, 6> motion_jacobian(const StereoCamera& camera,
   return J;
 }
 
+void RobustGaussNewton::reserve(std::size_t points) {
+  const std::size_t places = points + kResidualLanes;
+  for (std::vector<double>& column : columns_) column.reserve(places);
+  distances2_.reserve(places);
+  scratch_.reserve(places);
+}
+
 void RobustGaussNewton::prepare(const StereoCamera& camera,
                                 std::span<const Correspondence> correspondences,
-                                const Eigen::Isometry3d& T_previous_current) {
+                                const Eigen::Isometry3d& T_previous_current, std::size_t stride) {
   camera_ = camera;
-  points_.clear();
   total_weight_ = 0.0;
+  for (std::vector<double>& column : columns_) column.clear();
   const Eigen::Isometry3d T = T_previous_current.inverse();
-  for (const Correspondence& c : correspondences) {
-    Eigen::Vector3d P = T * c.P_previous_m;
-    P.z() = std::max(P.z(), kMinDepthM);
-    const Eigen::Matrix3d H = project_jacobian(camera, P) * T.linear();
-    const Eigen::Matrix3d S =
-        c.covariance_observed_px2 + H * c.covariance_previous_m2 * H.transpose();
-    points_.push_back({c.P_previous_m, c.observed_px, inverse_cholesky(S), c.static_weight});
-    total_weight_ += c.static_weight;
+  for (std::size_t i = 0; i < correspondences.size(); i += stride) add(correspondences[i], T);
+  size_ = columns_[0].size();
+  fill_up();
+}
+
+void RobustGaussNewton::add(const Correspondence& c, const Eigen::Isometry3d& T_current_previous) {
+  Eigen::Vector3d P = T_current_previous * c.P_previous_m;
+  P.z() = std::max(P.z(), kMinDepthM);
+  const Eigen::Matrix3d H = project_jacobian(camera_, P) * T_current_previous.linear();
+  const Eigen::Matrix3d S =
+      c.covariance_observed_px2 + H * c.covariance_previous_m2 * H.transpose();
+  const std::array<double, 6> whitening = inverse_cholesky(S);
+  for (int k = 0; k < 3; ++k) {
+    columns_[Column::kX + static_cast<std::size_t>(k)].push_back(c.P_previous_m[k]);
+    columns_[Column::kU + static_cast<std::size_t>(k)].push_back(c.observed_px[k]);
   }
+  for (std::size_t k = 0; k < whitening.size(); ++k)
+    columns_[Column::kWhitening + k].push_back(whitening[k]);
+  columns_[Column::kWeight].push_back(c.static_weight);
+  total_weight_ += c.static_weight;
 }
 
-double RobustGaussNewton::accumulate(const Eigen::Isometry3d& T_current_previous,
-                                     const Point& point, double kernel, Normal& normal) const {
-  const Eigen::Vector3d P = T_current_previous * point.P_m;
-  if (!(P.z() > kMinDepthM)) return kBehindDistance2;
-  const Eigen::Vector3d r = whitened<1>(point.whitening, point.z_px - project(camera_, P));
-  const Eigen::Matrix<double, 3, 6> J = whitened(point.whitening, motion_jacobian(camera_, P));
-  const double q = r.squaredNorm();
-  if (!std::isfinite(q)) return kBehindDistance2;
-  const double share = kernel > 0 ? 1 / (1 + q / kernel) : 1.0;
-  const double weight = point.weight * share * share;
-  const Eigen::Matrix<double, 6, 3> JtW = weight * J.transpose();
-  normal.A.noalias() += JtW.lazyProduct(J);
-  normal.b.noalias() += JtW.lazyProduct(r);
-  return q;
+void RobustGaussNewton::fill_up() {
+  const std::size_t places = (size_ + kResidualLanes - 1) / kResidualLanes * kResidualLanes;
+  for (std::size_t k = 0; k < kColumns; ++k)
+    columns_[k].resize(places, k == Column::kZ ? 1.0 : 0.0);
+  distances2_.resize(places);
 }
 
-double RobustGaussNewton::distance2(const Eigen::Isometry3d& T_current_previous,
-                                    std::size_t index) const {
-  const Point& point = points_[index];
-  const Eigen::Vector3d P = T_current_previous * point.P_m;
-  if (!(P.z() > kMinDepthM)) return kBehindDistance2;
-  const double d2 = whitened<1>(point.whitening, point.z_px - project(camera_, P)).squaredNorm();
-  return std::isfinite(d2) ? d2 : kBehindDistance2;
+void RobustGaussNewton::measure_distances2(const Eigen::Isometry3d& T_current_previous,
+                                           std::vector<double>& distances2) const {
+  distances2.resize(columns_[0].size());
+  residual_kernels().distances2(view_of(columns_), geometry(camera_, T_current_previous),
+                                distances2.data());
 }
 
-double RobustGaussNewton::support(const Eigen::Isometry3d& T_previous_current,
-                                  double abandon_below) const {
-  const Eigen::Isometry3d T = T_previous_current.inverse();
+double RobustGaussNewton::robust_sum(const Eigen::Isometry3d& T_previous_current, double kernel) {
+  measure_distances2(T_previous_current.inverse(), distances2_);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < size_; ++i)
+    sum += columns_[Column::kWeight][i] * geman_mcclure_cost(distances2_[i], kernel);
+  return sum;
+}
+
+double RobustGaussNewton::support(const Eigen::Isometry3d& T_previous_current) {
   const double kernel = 4 * config_.geman_mcclure_chi2;
-  double reachable = total_weight_;
-  for (std::size_t i = 0; i < points_.size() && reachable > abandon_below; ++i)
-    reachable -= points_[i].weight * geman_mcclure_cost(distance2(T, i), kernel) / kernel;
-  return reachable;
+  return total_weight_ - robust_sum(T_previous_current, kernel) / kernel;
+}
+
+double RobustGaussNewton::cost(const Eigen::Isometry3d& T_previous_current) {
+  return robust_sum(T_previous_current, config_.geman_mcclure_chi2);
 }
 
 bool RobustGaussNewton::fit_sample(std::span<const std::size_t> sample,
                                    Eigen::Isometry3d& T_previous_current) const {
+  static_assert(kSampleSize <= kResidualLanes);
+  double columns[kColumns][kResidualLanes] = {};
+  ResidualColumns view{.column = {}, .count = kResidualLanes};
+  for (std::size_t k = 0; k < kColumns; ++k) {
+    view.column[k] = columns[k];
+    for (std::size_t i = 0; i < sample.size(); ++i) columns[k][i] = columns_[k][sample[i]];
+  }
+  double weights[kResidualLanes] = {};
+  std::fill_n(weights, sample.size(), 1.0);
   for (int step = 0; step < kSampleSteps; ++step) {
-    const Eigen::Isometry3d T = T_previous_current.inverse();
-    Normal normal;
-    for (const std::size_t i : sample) accumulate(T, points_[i], 0.0, normal);
-    normal.A.diagonal() *= 1 + kSampleDamping;
+    NormalSums sums;
+    residual_kernels().accumulate_weighted(view, geometry(camera_, T_previous_current.inverse()),
+                                           weights, sums);
+    Matrix6d A = matrix(sums);
+    A.diagonal() *= 1 + kSampleDamping;
     Vector6d xi;
-    if (!normal.solve(xi)) return false;
+    if (!solve(A, sums, xi)) return false;
     T_previous_current =
         T_previous_current * se3_exp(xi.cwiseMax(-kMaxSampleStep).cwiseMin(kMaxSampleStep));
   }
@@ -145,72 +190,61 @@ bool RobustGaussNewton::fit_sample(std::span<const std::size_t> sample,
 }
 
 double RobustGaussNewton::residual_scale() {
-  if (distances2_.size() < 6) return 1.0;
-  const auto middle = distances2_.begin() + static_cast<std::ptrdiff_t>(distances2_.size() / 2);
-  std::nth_element(distances2_.begin(), middle, distances2_.end());
-  return std::max(1.0, *middle / kMedianChi2Of3);
+  scratch_.clear();
+  for (std::size_t i = 0; i < size_; ++i)
+    if (columns_[Column::kWeight][i] > kTellingWeight) scratch_.push_back(distances2_[i]);
+  if (scratch_.size() < 6) return 1.0;
+  return std::max(1.0, median(scratch_, kMedianChi2Of3) / kMedianChi2Of3);
 }
 
-double RobustGaussNewton::robust_cost(const Eigen::Isometry3d& T_current_previous) const {
-  double cost = 0.0;
-  for (std::size_t i = 0; i < points_.size(); ++i)
-    cost += points_[i].weight *
-            geman_mcclure_cost(distance2(T_current_previous, i), config_.geman_mcclure_chi2);
-  return cost;
-}
-
-GaussNewtonResult RobustGaussNewton::refine(const Eigen::Isometry3d& start, double graduation,
-                                            std::size_t stride) {
+GaussNewtonResult RobustGaussNewton::refine(const Eigen::Isometry3d& start, double graduation) {
   GaussNewtonResult result;
   result.T_previous_current = start;
-  distances2_.clear();
-  for (std::size_t i = 0; i < points_.size(); i += stride)
-    if (points_[i].weight > 0.5) distances2_.push_back(distance2(start.inverse(), i));
+  const ResidualColumns points = view_of(columns_);
+  measure_distances2(start.inverse(), distances2_);
   for (int k = 0; k < config_.max_iterations; ++k, graduation *= 0.5) {
-    const Eigen::Isometry3d T = result.T_previous_current.inverse();
     result.scale = residual_scale();
-    const double kernel = config_.geman_mcclure_chi2 * result.scale * std::max(1.0, graduation);
-    distances2_.clear();
-    Normal normal;
-    for (std::size_t i = 0; i < points_.size(); i += stride) {
-      const double q = accumulate(T, points_[i], kernel, normal);
-      if (points_[i].weight > 0.5) distances2_.push_back(q);
-    }
+    NormalSums sums;
+    residual_kernels().accumulate(
+        points, geometry(camera_, result.T_previous_current.inverse()),
+        config_.geman_mcclure_chi2 * result.scale * std::max(1.0, graduation), distances2_.data(),
+        sums);
     Vector6d xi;
-    result.solvable = normal.solve(xi);
+    result.solvable = solve(matrix(sums), sums, xi);
     if (!result.solvable) break;
     result.T_previous_current = orthonormalised(result.T_previous_current * se3_exp(xi));
     if (graduation <= 1 && xi.cwiseAbs().maxCoeff() < config_.step_tolerance) break;
   }
-  result.cost = robust_cost(result.T_previous_current.inverse());
   return result;
 }
 
-bool RobustGaussNewton::covariance(const GaussNewtonResult& result, Matrix6d& covariance) const {
+bool RobustGaussNewton::covariance(const GaussNewtonResult& result, Matrix6d& covariance) {
   const Eigen::Isometry3d T = result.T_previous_current.inverse();
   const double kernel = config_.geman_mcclure_chi2 * result.scale;
-  Matrix6d A = Matrix6d::Zero();
-  Matrix6d B = Matrix6d::Zero();
+  measure_distances2(T, distances2_);
+  std::vector<double>& curvature = scratch_;
+  curvature.assign(distances2_.size(), 0.0);
+  std::vector<double>& noise = distances2_;
   double weights = 0.0;
-  for (const Point& point : points_) {
-    const Eigen::Vector3d P = T * point.P_m;
-    if (!(P.z() > kMinDepthM)) continue;
-    const Eigen::Vector3d r = whitened<1>(point.whitening, point.z_px - project(camera_, P));
-    const Eigen::Matrix<double, 3, 6> J = whitened(point.whitening, motion_jacobian(camera_, P));
-    const double share = 1 / (1 + r.squaredNorm() / kernel);
-    const double weight = point.weight * share * share;
+  for (std::size_t i = 0; i < noise.size(); ++i) {
+    const double q = distances2_[i];
+    const double share = 1 / (1 + q / kernel);
+    const double weight = q < kBehindDistance2 ? columns_[Column::kWeight][i] * share * share : 0.0;
     // The whitened residuals are isotropic, so squares are averaged over their three directions.
-    const double q = r.squaredNorm();
-    const Matrix6d JtJ = J.transpose().lazyProduct(J);
-    A += (weight - (4.0 / 3.0) * weight * share * q / kernel) * JtJ;
-    B += (weight * weight * q / 3.0) * JtJ;
+    curvature[i] = weight - (4.0 / 3.0) * weight * share * q / kernel;
+    noise[i] = weight * weight * q / 3.0;
     weights += weight;
   }
-  const Eigen::LLT<Matrix6d> llt(A);
+  const ResidualColumns points = view_of(columns_);
+  const ResidualGeometry at = geometry(camera_, T);
+  NormalSums sums;
+  residual_kernels().accumulate_weighted(points, at, curvature.data(), sums);
+  const Eigen::LLT<Matrix6d> llt(matrix(sums));
   const double freedom = 3 * weights - 6;
   if (llt.info() != Eigen::Success || !(freedom > 0)) return false;
   const Matrix6d A_inverse = llt.solve(Matrix6d::Identity());
-  covariance = (3 * weights / freedom) * (A_inverse * B * A_inverse);
+  residual_kernels().accumulate_weighted(points, at, noise.data(), sums);
+  covariance = (3 * weights / freedom) * (A_inverse * matrix(sums) * A_inverse);
   return covariance.allFinite();
 }
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "instruction_set.hpp"
+#include "egomod/core/instruction_set.hpp"
 
 namespace egomod {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "egomod/features/patch_alignment.hpp"
 
-#include "instruction_set.hpp"
+#include "egomod/core/instruction_set.hpp"
 #include "patch_kernels.hpp"
 
 namespace egomod {

@@ -77,7 +77,7 @@ class EgomotionEstimator {
   void fail(EstimateReason reason, const TrackSet& tracks, Egomotion& motion);
 
   void keep_velocity(const Egomotion& motion);
-  void adapt_noise_scale(const Eigen::Isometry3d& T_current_previous);
+  void adapt_noise_scale();
   [[nodiscard]] double renewed_share(const TrackSet& tracks) const;
   [[nodiscard]] VelocityState unknown_velocity() const;
   [[nodiscard]] bool over_a_hole(const TrackSet& tracks) const;
@@ -109,6 +109,7 @@ class EgomotionEstimator {
   double dt_s_ = 0.0;
 
   std::vector<Correspondence> correspondences_;
+  std::vector<double> distances2_;  // of the correspondences, under the solution
   std::vector<double> scratch_;
 };
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "egomod/egomotion/ransac.hpp"
 #include "egomod/egomotion/robust_gauss_newton.hpp"
@@ -25,15 +26,14 @@ class GaussNewtonSolver {
                                std::span<const Correspondence> correspondences,
                                const Eigen::Isometry3d& expected, std::uint64_t sequence);
 
-  // Squared Mahalanobis distance of one of the correspondences that were solved last.
-  [[nodiscard]] double distance2(const Eigen::Isometry3d& T_current_previous,
-                                 std::size_t index) const {
-    return gauss_newton_.distance2(T_current_previous, index);
+  // Squared Mahalanobis distances of the correspondences that were solved last.
+  void measure_distances2(const Eigen::Isometry3d& T_current_previous,
+                          std::vector<double>& distances2) const {
+    gauss_newton_.measure_distances2(T_current_previous, distances2);
   }
 
  private:
-  void try_other_starts(std::span<const Correspondence> correspondences,
-                        const Eigen::Isometry3d& expected, std::uint64_t sequence,
+  void try_other_starts(const Eigen::Isometry3d& expected, std::uint64_t sequence,
                         GaussNewtonResult& best);
 
   RansacConfig ransac_;

@@ -80,6 +80,8 @@ class RivalFinder {
   bool found_ = false;  // in the last pair
   GaussNewtonSolver solver_;
   RobustGaussNewton whitened_;
+  std::vector<double> by_estimate_;  // squared distances of all
+  std::vector<double> by_rival_;
   std::vector<Correspondence> all_;  // of the last two pairs
   std::vector<Correspondence> unexplained_;
 };

@@ -22,7 +22,6 @@ struct GaussNewtonConfig {
 
 struct GaussNewtonResult {
   Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
-  double cost = 0.0;      // robust, comparable between starts
   double scale = 1.0;     // robust scale of the squared distances, >= 1
   bool solvable = false;  // the normal equations had full rank in every iteration
 };
@@ -42,58 +41,52 @@ class RobustGaussNewton {
   explicit RobustGaussNewton(const GaussNewtonConfig& config) : config_(config) {}
 
   // Room for that many points: nothing is allocated up to there.
-  void reserve(std::size_t points) {
-    points_.reserve(points);
-    distances2_.reserve(points);
-  }
+  void reserve(std::size_t points);
 
-  // Whitens all correspondences at this motion; call before all others, and again when the
-  // motion has changed so much that the projected covariances have.
+  // Whitens the correspondences, or every `stride`-th of them to come near cheaply, at this motion;
+  // call before all others, and again when the motion has changed so much that the projected
+  // covariances have.
   void prepare(const StereoCamera& camera, std::span<const Correspondence> correspondences,
-               const Eigen::Isometry3d& T_previous_current);
+               const Eigen::Isometry3d& T_previous_current, std::size_t stride = 1);
+  [[nodiscard]] std::size_t size() const { return size_; }
 
   // Least squares without robust weights on the sample, a few steps; false when it is singular.
   [[nodiscard]] bool fit_sample(std::span<const std::size_t> sample,
                                 Eigen::Isometry3d& T_previous_current) const;
 
-  // `graduation`: the kernel starts this many times as wide as it ends. Only every `stride`-th
-  // point is used, to come near cheaply.
-  [[nodiscard]] GaussNewtonResult refine(const Eigen::Isometry3d& start, double graduation,
-                                         std::size_t stride);
+  // `graduation`: the kernel starts this many times as wide as it ends.
+  [[nodiscard]] GaussNewtonResult refine(const Eigen::Isometry3d& start, double graduation);
 
   // Covariance (right perturbation) of a robust estimate: the sandwich A^-1 B A^-1 of
   // M-estimation (P. Huber, Robust Statistics, 1981, ch. 6), which carries the true scale of the
   // residuals with it; false when the points do not fix all six degrees of freedom.
-  [[nodiscard]] bool covariance(const GaussNewtonResult& result, Matrix6d& covariance) const;
+  [[nodiscard]] bool covariance(const GaussNewtonResult& result, Matrix6d& covariance);
 
-  // Squared Mahalanobis distance of one correspondence.
-  [[nodiscard]] double distance2(const Eigen::Isometry3d& T_current_previous,
-                                 std::size_t index) const;
+  // Squared Mahalanobis distances of all points; resizes `distances2`.
+  void measure_distances2(const Eigen::Isometry3d& T_current_previous,
+                          std::vector<double>& distances2) const;
 
-  // Sum of weights of the points that this motion explains, soft; gives up below `abandon_below`.
-  [[nodiscard]] double support(const Eigen::Isometry3d& T_previous_current,
-                               double abandon_below) const;
+  // Sum of weights of the points that this motion explains, soft.
+  [[nodiscard]] double support(const Eigen::Isometry3d& T_previous_current);
+  // Robust sum of squares, comparable between motions.
+  [[nodiscard]] double cost(const Eigen::Isometry3d& T_previous_current);
   [[nodiscard]] double total_weight() const { return total_weight_; }
 
  private:
-  struct Point {
-    Eigen::Vector3d P_m;
-    Eigen::Vector3d z_px;
-    std::array<double, 6> whitening;  // lower triangle of L^-1, S = L L^T, row by row
-    double weight;
-  };
-  struct Normal;
+  // Of one point: x y z, u v d, lower triangle of L^-1 row by row (S = L L^T), weight.
+  static constexpr std::size_t kColumns = 13;
 
-  // Returns the squared Mahalanobis distance.
-  double accumulate(const Eigen::Isometry3d& T_current_previous, const Point& point, double kernel,
-                    Normal& normal) const;
-  [[nodiscard]] double residual_scale();  // of the distances of the last iteration
-  [[nodiscard]] double robust_cost(const Eigen::Isometry3d& T_current_previous) const;
+  void add(const Correspondence& c, const Eigen::Isometry3d& T_current_previous);
+  void fill_up();
+  [[nodiscard]] double residual_scale();  // of the last distances
+  [[nodiscard]] double robust_sum(const Eigen::Isometry3d& T_previous_current, double kernel);
 
   GaussNewtonConfig config_;
   StereoCamera camera_;
-  std::vector<Point> points_;
+  std::size_t size_ = 0;
+  std::array<std::vector<double>, kColumns> columns_;  // filled up to whole vectors
   std::vector<double> distances2_;
+  std::vector<double> scratch_;
   double total_weight_ = 0.0;
 };
 
