@@ -129,6 +129,8 @@ void TemporalAlignment::follow_expected(Part part, const RigMotion& motion,
   const std::size_t stride = 1 + points.size() / kScouts;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if ((i % stride == stride / 2) != (part == Part::kScouts)) continue;
+    if (const std::size_t next = i + (part == Part::kScouts ? stride : 1); next < points.size())
+      store.prefetch_anchor(points[next]);
     follow_one(motion, any_motion, previous, current, store, points[i]);
   }
 }
