@@ -34,10 +34,10 @@ bool is_inlier(const Egomotion& motion, std::size_t track) {
 }
 
 // Where the filters expect the point, if that is any better than where it is measured.
-Eigen::Vector3d expected_px(const StereoCamera& camera, const Egomotion& motion,
+Eigen::Vector3d expected_px(const StereoCamera& camera, const RigPose& rig,
                             const TrackFilter& filter, const Eigen::Vector3d& measured_px) {
   if (filter.updates == 0 || filter.is_young()) return measured_px;
-  const Eigen::Vector3d P_m = motion.T_first_current.inverse() * filter.position_m();
+  const Eigen::Vector3d P_m = rig.T_current_first * filter.position_m();
   const double disparity_px = camera.fx_px * camera.baseline_m / P_m.z();
   if (disparity_px < kLeastDepthShare * measured_px.z() ||
       disparity_px > kMostDepthShare * measured_px.z()) {
@@ -85,17 +85,19 @@ void FilterMethod::filter(const TrackSet& tracks, const Egomotion& motion) {
   reset_count_ = motion.reset_count;
   follow_rig(motion);
   now_ = motion.exposure;
+  rig_ = RigPose(motion);
   filters_.align(tracks.tracks);
   const MotionPrior motion_prior = prior();
   standing_chi2_.clear();
   for (std::size_t i = 0; i < tracks.tracks.size(); ++i) {
     const Track& track = tracks.tracks[i];
+    filters_.prefetch(i + 1);
     if (!track.has_current || !is_usable(tracks.camera, track.current, config_.max_depth_m)) {
       continue;
     }
     TrackFilter& filter = filters_.of(i);
     if (filter.updates > 0) filter.predict(motion_prior, now_);
-    const PointMeasurement measurement = measure(tracks, motion, track, filter);
+    const PointMeasurement measurement = measure(tracks.camera, track, filter);
     if (filter.updates > 0) {
       filter.update(measurement, motion_prior);
       if (!filter.is_young() && is_inlier(motion, i)) {
@@ -105,7 +107,7 @@ void FilterMethod::filter(const TrackSet& tracks, const Egomotion& motion) {
       filter.start(measurement, motion_prior, now_);
     }
     filter.uvd_px = uvd(track.current);
-    PointSample point = sample(motion, filter);
+    PointSample point = sample(filter);
     point.track = i;
     if (point.velocity_mps.allFinite() && std::isfinite(point.chi2)) points_.push_back(point);
   }
@@ -126,42 +128,37 @@ MotionPrior FilterMethod::prior() const {
           .manoeuvre_hz = config_.manoeuvre_hz};
 }
 
-PointMeasurement FilterMethod::measure(const TrackSet& tracks, const Egomotion& motion,
-                                       const Track& track, const TrackFilter& filter) const {
+PointMeasurement FilterMethod::measure(const StereoCamera& camera, const Track& track,
+                                       const TrackFilter& filter) const {
   const Eigen::Vector3d z_px = uvd(track.current);
-  const Eigen::Vector3d at_px = expected_px(tracks.camera, motion, filter, z_px);
-  const Eigen::Vector3d P_m = triangulate(tracks.camera, at_px);
-  const Eigen::Matrix3d J = triangulate_jacobian(tracks.camera, at_px);
-  const Eigen::Matrix3d G = motion.T_first_current.linear() * J;
+  const Eigen::Vector3d at_px = expected_px(camera, rig_, filter, z_px);
+  const Eigen::Matrix3d J = triangulate_jacobian(camera, at_px);
+  const Eigen::Matrix3d G = rig_.T_first_current.linear() * J;
   Eigen::Matrix3d R_px2 = noise_.value() * covariance(track.current);
   R_px2.diagonal().array() += config_.noise_floor_px * config_.noise_floor_px;
 
   const double path_px = filter.updates > 0 ? (z_px - filter.uvd_px).norm() : 0.0;
-  const double wander_px = std::hypot(config_.walk_px, config_.flow_error_share * path_px) +
-                           (track.reanchored ? kReanchor_px : 0.0);
   const double stretch_px = config_.flow_error_share * path_px;
+  const double wander_px = std::sqrt(config_.walk_px * config_.walk_px + stretch_px * stretch_px) +
+                           (track.reanchored ? kReanchor_px : 0.0);
 
   PointMeasurement m;
-  m.position_m = motion.T_first_current * P_m + G * (z_px - at_px);
+  m.position_m = rig_.T_first_current * triangulate(camera, at_px);
   m.covariance_m2.noalias() = G * R_px2 * G.transpose();
-  // T * Exp(xi) moves the point by R * (rho + phi x P).
-  Eigen::Matrix<double, 3, 6> Jx;
-  Jx << Eigen::Matrix3d::Identity(), -skew(P_m);
-  Jx = (motion.T_first_current.linear() * Jx).eval();
-  const Eigen::Matrix<double, 3, 6> JC = Jx * motion.covariance_previous_current;
-  m.covariance_m2.noalias() += JC * Jx.transpose();
+  m.covariance_m2 += rig_.covariance_at(m.position_m - rig_.T_first_current.translation());
+  m.position_m.noalias() += G * (z_px - at_px);
   const Eigen::Vector3d walk_px2{wander_px * wander_px, wander_px * wander_px,
                                  stretch_px * stretch_px};
   m.walk_m2.noalias() = G * walk_px2.asDiagonal() * G.transpose();
   m.bias_m = config_.disparity_bias_px * G.col(2);
-  m.log_volume = std::log(std::abs(J.determinant()));
+  m.volume_m3 = std::abs(J.determinant());
   return m;
 }
 
-PointSample FilterMethod::sample(const Egomotion& motion, const TrackFilter& filter) const {
-  const Eigen::Matrix3d R = motion.T_first_current.linear().transpose();
+PointSample FilterMethod::sample(const TrackFilter& filter) const {
+  const Eigen::Matrix3d R = rig_.T_current_first.linear();
   PointSample point;
-  point.position_m = motion.T_first_current.inverse() * filter.position_m();
+  point.position_m = rig_.T_current_first * filter.position_m();
   point.position_covariance_m2 = R * filter.moving.covariance.topLeftCorner<3, 3>() * R.transpose();
   point.velocity_mps = R * filter.velocity_mps();
   const Eigen::Matrix3d Cv = filter.moving.covariance.bottomRightCorner<3, 3>();

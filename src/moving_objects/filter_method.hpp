@@ -12,6 +12,7 @@
 #include "moving_objects/noise_scale.hpp"
 #include "moving_objects/object_table.hpp"
 #include "moving_objects/point_sample.hpp"
+#include "moving_objects/rig_pose.hpp"
 
 namespace egomod {
 
@@ -28,9 +29,9 @@ class FilterMethod {
   void filter(const TrackSet& tracks, const Egomotion& motion);
   void follow_rig(const Egomotion& motion);
   [[nodiscard]] MotionPrior prior() const;
-  [[nodiscard]] PointMeasurement measure(const TrackSet& tracks, const Egomotion& motion,
-                                         const Track& track, const TrackFilter& filter) const;
-  [[nodiscard]] PointSample sample(const Egomotion& motion, const TrackFilter& filter) const;
+  [[nodiscard]] PointMeasurement measure(const StereoCamera& camera, const Track& track,
+                                         const TrackFilter& filter) const;
+  [[nodiscard]] PointSample sample(const TrackFilter& filter) const;
   void report_points(const TrackSet& tracks, std::vector<PointMotion>& points) const;
   [[nodiscard]] PointState state_of(const PointSample& point) const;
 
@@ -38,6 +39,7 @@ class FilterMethod {
   FilterBank filters_;
   std::uint32_t reset_count_ = 0;
   Nanoseconds now_{0};
+  RigPose rig_;
   Eigen::Vector3d rig_velocity_mps_ = Eigen::Vector3d::Zero();  // smoothed, current camera axes
   int rig_pairs_ = 0;                                           // in it
   std::vector<PointSample> points_;

@@ -8,11 +8,12 @@
 namespace egomod {
 namespace {
 
-constexpr double kLog2Pi3_2 = 2.7568;   // log (2 pi)^(3/2)
-constexpr double kOutlierShare = 0.02;  // of the measurements, anywhere in...
-constexpr double kSearchVolume_px3 = 1e6;
-constexpr double kMostPerPair = 6.0;  // evidence: no single measurement convinces
-constexpr double kCutChi2 = 25.0;     // from here on a measurement pulls less
+// Share of the measurements that are outliers, anywhere in 1e6 px^3: logs of the densities.
+constexpr double kLogInlier = -2.7770;    // log(0.98 / (2 pi)^(3/2))
+constexpr double kLogOutlier = -17.7275;  // log(0.02 / 1e6)
+constexpr double kNoOutlier = 12.0;       // above the outliers' by this, nothing is added
+constexpr double kMostPerPair = 6.0;      // evidence: no single measurement convinces
+constexpr double kCutChi2 = 25.0;         // from here on a measurement pulls less
 constexpr double kMisfitMemory = 0.9;
 constexpr double kMostMisfit = 50.0;  // of one measurement
 constexpr double kFittingChi2 = 3.0;
@@ -27,8 +28,23 @@ struct Fit {
   double log_likelihood = 0.0;
 };
 
-double log_of_sum(double a, double b) {
-  return std::max(a, b) + std::log1p(std::exp(-std::abs(a - b)));
+// Log of the sum of two densities, of which the second is the outliers'.
+double with_outliers(double log_inlier) {
+  const double above = log_inlier - kLogOutlier;
+  if (above > kNoOutlier) return log_inlier;
+  return kLogOutlier + std::log1p(std::exp(above));
+}
+
+// C -= K A^T, known to be symmetric: rounding would grow, since the next update multiplies it.
+template <int N>
+void subtract_symmetric(const Eigen::Matrix<double, N, 3>& K, const Eigen::Matrix<double, N, 3>& A,
+                        Eigen::Matrix<double, N, N>& C) {
+  for (int row = 0; row < N; ++row) {
+    for (int k = 0; k <= row; ++k) {
+      C(row, k) -= K(row, 0) * A(k, 0) + K(row, 1) * A(k, 1) + K(row, 2) * A(k, 2);
+      C(k, row) = C(row, k);
+    }
+  }
 }
 
 template <int N>
@@ -40,22 +56,21 @@ Fit fuse(const PointMeasurement& z, PointModel<N>& model) {
   A.noalias() += model.bias_covariance * z.bias_m.transpose();
   Eigen::Matrix3d S = A.template topRows<3>() + z.covariance_m2;
   S.noalias() += z.bias_m * (c + z.bias_m).transpose();
-  const double determinant = S.determinant();
+  Eigen::Matrix3d S_inverse;
+  double determinant = 0.0;
+  bool invertible = false;
+  S.computeInverseAndDetWithCheck(S_inverse, determinant, invertible, 0.0);
   if (!(determinant > 0.0) || !std::isfinite(determinant)) return {};
-  const Eigen::Matrix3d S_inverse = S.inverse();
   Fit fit;
   fit.chi2 = r.dot(S_inverse * r);
   if (!std::isfinite(fit.chi2)) return {};
   const double cut = std::min(1.0, kCutChi2 / std::max(fit.chi2, 1e-12));
-  const Eigen::Matrix<double, N, 3> K = cut * (A * S_inverse);
+  const Eigen::Matrix<double, N, 3> K = A * (cut * S_inverse);
   model.state.noalias() += K * r;
-  const Eigen::Matrix<double, N, N> C = model.covariance - K * A.transpose();
-  // Rounding would grow: the next update multiplies what is not symmetric.
-  model.covariance = 0.5 * (C + C.transpose());
+  subtract_symmetric<N>(K, A, model.covariance);
   model.bias_covariance.noalias() -= K * (c + z.bias_m);
-  fit.log_likelihood = log_of_sum(std::log1p(-kOutlierShare) - kLog2Pi3_2 + z.log_volume -
-                                      0.5 * (fit.chi2 + std::log(determinant)),
-                                  std::log(kOutlierShare / kSearchVolume_px3));
+  fit.log_likelihood = with_outliers(
+      kLogInlier - 0.5 * (fit.chi2 + std::log(determinant / (z.volume_m3 * z.volume_m3))));
   return fit;
 }
 

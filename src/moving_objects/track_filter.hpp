@@ -13,7 +13,7 @@ struct PointMeasurement {
   Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();  // of this pair alone
   Eigen::Matrix3d walk_m2 = Eigen::Matrix3d::Zero();        // what the track strays between pairs
   Eigen::Vector3d bias_m = Eigen::Vector3d::Zero();  // one sigma of the point's constant error
-  double log_volume = 0.0;                           // of one px^3, in m^3
+  double volume_m3 = 1.0;                            // of one px^3
 };
 
 // Position, or position and velocity, of a point whose disparity has an unknown constant error b:
