@@ -53,6 +53,8 @@ bool eight_are_zero(const std::uint8_t* p) {
 CornerDetector::CornerDetector(const CornerConfig& config) : config_(config) {
   config_.border_px = std::max(config_.border_px, kCornerMargin_px + 1);
   config_.bucket_px = std::clamp(config_.bucket_px, 8, 1024);
+  config_.min_distance_px = std::clamp(config_.min_distance_px, 1, kMaxDistance_px);
+  lay_out_disc();
   hits_.reserve(static_cast<std::size_t>(config_.bucket_px * config_.bucket_px));
 }
 
@@ -80,15 +82,33 @@ void CornerDetector::lay_out(const ImageView& image) {
   peaks_.resize(static_cast<std::size_t>(bucket_stride()));
 }
 
+void CornerDetector::lay_out_disc() {
+  const int r = config_.min_distance_px - 1;
+  disc_.assign(static_cast<std::size_t>(2 * r + 1), {});
+  for (int y = -r; y <= r; ++y) {
+    const int reach = static_cast<int>(std::sqrt(static_cast<float>(r * (r + 1) - y * y + r)));
+    for (int x = -reach; x <= reach; ++x)
+      disc_[static_cast<std::size_t>(y + r)][static_cast<std::size_t>(x + r)] = 1;
+  }
+}
+
+// A row of the disc is two words; what they hold beyond the disc is zero.
 void CornerDetector::block(int u, int v) {
   const int r = config_.min_distance_px - 1;
   for (int y = std::max(v - r, 0); y <= std::min(v + r, height_px_ - 1); ++y) {
-    const int reach =
-        static_cast<int>(std::sqrt(static_cast<float>(r * (r + 1) - (y - v) * (y - v) + r)));
-    const int first = std::max(u - reach, 0), last = std::min(u + reach, width_px_ - 1);
-    if (first > last) continue;
-    std::uint8_t* const row = blocked_.data() + static_cast<std::ptrdiff_t>(y) * width_px_;
-    std::fill(row + first, row + last + 1, std::uint8_t{1});
+    const DiscRow& disc = disc_[static_cast<std::size_t>(y - v + r)];
+    std::uint8_t* const row = blocked_.data() + static_cast<std::ptrdiff_t>(y) * width_px_ + u - r;
+    if (u >= r && u + r < width_px_) {
+      std::uint64_t words[2], mask[2];
+      std::memcpy(words, row, sizeof(words));
+      std::memcpy(mask, disc.data(), sizeof(mask));
+      words[0] |= mask[0];
+      words[1] |= mask[1];
+      std::memcpy(row, words, sizeof(words));
+      continue;
+    }
+    for (int x = std::max(0, r - u); x <= std::min(2 * r, width_px_ - 1 - u + r); ++x)
+      row[x] |= disc[static_cast<std::size_t>(x)];
   }
 }
 

@@ -27,8 +27,6 @@ constexpr float kSharedFlowShare = 0.08F;
 constexpr int kMinCompanions = 2;
 constexpr float kMinRefinedNcc = 0.85F;
 
-float distance(ImagePoint a, ImagePoint b) { return std::hypot(a.u_px - b.u_px, a.v_px - b.v_px); }
-
 template <typename Place>
 float square_distance(const Place& a, const Place& b) {
   const float du = a.u_px - b.u_px, dv = a.v_px - b.v_px, dd = a.depth_px - b.depth_px;
@@ -41,8 +39,7 @@ bool closer(const Place& a, const Place& b, float limit_px) {
 }
 
 bool is_shared(ImagePoint a, ImagePoint b) {
-  const float length_px = std::hypot(a.u_px, a.v_px);
-  return distance(a, b) < std::max(kSharedFlow_px, kSharedFlowShare * length_px);
+  return distance(a, b) < std::max(kSharedFlow_px, kSharedFlowShare * length(a));
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ constexpr double kMinDepth_m = 0.05;
 constexpr float kMinDisparity_px = 0.3F;
 // Robust scales, coarse to fine: a mover must not hold the solution at the first one.
 constexpr std::array kScales_px{24.0, 12.0, 6.0, 3.0, 2.0, 2.0};
+constexpr std::size_t kFirstOfKnown = 2;  // of the scales, where the last motion goes on
 constexpr double kNear_px = 3.0;
 constexpr double kMinShareNear = 0.4;
 
@@ -87,12 +88,13 @@ double RigMotion::share_near(const Eigen::Isometry3d& T) const {
 }
 
 bool RigMotion::guess(const TrackStore& store) {
+  const std::size_t first = known_ ? kFirstOfKnown : 0;
   known_ = false;
   if (camera_.fx_px <= 0.0 || camera_.fy_px <= 0.0 || camera_.baseline_m <= 0.0) return false;
   gather(store);
   if (samples_.size() < kMinSamples) return false;
   Eigen::Isometry3d T = T_current_previous_;
-  for (const double scale_px : kScales_px) refine(scale_px / camera_.fx_px, T);
+  for (std::size_t k = first; k < kScales_px.size(); ++k) refine(kScales_px[k] / camera_.fx_px, T);
   known_ = share_near(T) >= kMinShareNear;
   if (known_) T_current_previous_ = orthonormalised(T);
   return known_;

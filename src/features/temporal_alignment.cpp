@@ -54,10 +54,6 @@ bool plausible(const ImageView& image, const AffineWarp& warp, ImagePoint offset
          well_inside(image, point_of(warp, offset));
 }
 
-float distance(ImagePoint a, ImagePoint b) { return std::hypot(a.u_px - b.u_px, a.v_px - b.v_px); }
-ImagePoint sum(ImagePoint a, ImagePoint b) { return {a.u_px + b.u_px, a.v_px + b.v_px}; }
-ImagePoint difference(ImagePoint a, ImagePoint b) { return {a.u_px - b.u_px, a.v_px - b.v_px}; }
-
 AffineWarp grown(AffineWarp warp, float growth) {
   warp.a *= growth;
   warp.b *= growth;
@@ -72,7 +68,7 @@ void accept(const AffineWarp& warp, float ncc, FollowedPoint& point) {
   point.warp = warp;
   point.ncc = ncc;
   const ImagePoint now = point_of(warp, point.offset);
-  point.flow = difference(now, point.previous_left);
+  point.flow = now - point.previous_left;
   point.has_flow = true;
   point.left = now;
 }
@@ -140,7 +136,7 @@ void TemporalAlignment::follow_one(const RigMotion& motion, bool any_motion,
                                    const TrackStore& store, FollowedPoint& point) {
   const float disparity_px = point.previous_stereo.disparity_px;
   point.expected_disparity_px = std::max(disparity_px + point.disparity_rate_px, 0.0F);
-  Expectation expected{.left = sum(point.previous_left, point.flow)};
+  Expectation expected{.left = point.previous_left + point.flow};
   const auto resting = point.rests ? motion.predict(point) : std::nullopt;
   if (resting) {
     point.expected_disparity_px = resting->disparity_px;
@@ -236,11 +232,11 @@ void TemporalAlignment::follow_neighbours(const RigMotion& motion, const StereoI
     const bool hidden = point.rests && point.age > kYoungAge && motion.predict(point);
     if (point.followed || hidden) continue;
     const ImagePoint flow = neighbours_flow(point);
-    Attempt best = search_and_align(previous, current, store, point,
-                                    {sum(point.previous_left, flow)}, kNewRadius_px);
+    Attempt best = search_and_align(previous, current, store, point, {point.previous_left + flow},
+                                    kNewRadius_px);
     // Within the search radius, resting was among the places searched.
     const float searched_px = static_cast<float>(kNewRadius_px << kSearchLevel);
-    if (std::hypot(flow.u_px, flow.v_px) > 0.5F * searched_px) {
+    if (length(flow) > 0.5F * searched_px) {
       const Attempt resting =
           search_and_align(previous, current, store, point, {point.previous_left}, kNewRadius_px);
       if (resting.ncc > best.ncc + kRestingMargin) best = resting;
@@ -252,8 +248,7 @@ void TemporalAlignment::follow_neighbours(const RigMotion& motion, const StereoI
 bool TemporalAlignment::is_loner(const FollowedPoint& point, ImagePoint flow) const {
   Flows<8> flows{};
   const std::size_t count = nearest_flows(point, flows);
-  const float tolerance_px =
-      std::max(kSharedFlow_px, kSharedFlowShare * std::hypot(flow.u_px, flow.v_px));
+  const float tolerance_px = std::max(kSharedFlow_px, kSharedFlowShare * length(flow));
   const auto companions =
       std::count_if(flows.begin(), flows.begin() + static_cast<std::ptrdiff_t>(count),
                     [&](ImagePoint f) { return distance(f, flow) < tolerance_px; });
@@ -273,8 +268,7 @@ void TemporalAlignment::gather_own_motions(const RigMotion& motion, const TrackS
     const auto resting = motion.predict(p);
     if (!p.followed || !resting) continue;
     neighbours_.push_back({p.previous_left.u_px, p.previous_left.v_px,
-                           3.0F * p.previous_stereo.disparity_px, difference(p.left, resting->left),
-                           p.id});
+                           3.0F * p.previous_stereo.disparity_px, p.left - resting->left, p.id});
   }
 }
 
@@ -283,9 +277,8 @@ void TemporalAlignment::give_up_young_loners(const RigMotion& motion, TrackStore
   for (FollowedPoint& point : store.points()) {
     const auto resting = motion.predict(point);
     if (!point.followed || point.age > kYoungAge || !resting) continue;
-    const ImagePoint own = difference(point.left, resting->left);
-    if (std::hypot(own.u_px, own.v_px) > kResting_px && is_loner(point, own))
-      point.followed = false;
+    const ImagePoint own = point.left - resting->left;
+    if (length(own) > kResting_px && is_loner(point, own)) point.followed = false;
   }
 }
 
@@ -294,8 +287,8 @@ void TemporalAlignment::follow_best(const StereoImages& previous, const StereoIm
                                     int radius_px, float min_ncc, FollowedPoint& point) {
   Attempt best;
   for (const ImagePoint flow : flows) {
-    const Attempt attempt = search_and_align(previous, current, store, point,
-                                             {sum(point.previous_left, flow)}, radius_px);
+    const Attempt attempt =
+        search_and_align(previous, current, store, point, {point.previous_left + flow}, radius_px);
     if (attempt.ncc > best.ncc) best = attempt;
   }
   if (best.ncc >= min_ncc) accept(best.warp, best.ncc, point);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -98,15 +99,13 @@ class TrackStore {
   // Drops points for which `lost(point)`; the others keep their order.
   template <typename Predicate>
   void drop_if(Predicate lost) {
-    std::size_t kept = 0;
-    for (const FollowedPoint& point : points_) {
-      if (lost(point)) {
-        free_anchors_.push_back(point.anchor);
-      } else {
-        points_[kept++] = point;
-      }
-    }
-    points_.resize(kept);
+    const auto dropped =
+        std::remove_if(points_.begin(), points_.end(), [&](const FollowedPoint& p) {
+          if (!lost(p)) return false;
+          free_anchors_.push_back(p.anchor);
+          return true;
+        });
+    points_.erase(dropped, points_.end());
   }
 
  private:

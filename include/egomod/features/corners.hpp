@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -27,7 +28,7 @@ struct Corner {
 struct CornerConfig {
   int bucket_px = 40;           // side of a bucket
   int corners_per_bucket = 6;   // old and new ones together
-  int min_distance_px = 7;      // between any two
+  int min_distance_px = 7;      // between any two; at most kMaxDistance_px
   int border_px = 8;            // at least kCornerMargin_px
   int min_contrast = 3;         // grey levels between a corner and its surroundings
   float min_eigenvalue = 0.7F;  // (grey/px)^2
@@ -55,6 +56,7 @@ class CornerDetector {
 
   static constexpr int kPatience = 4;
   static constexpr int kManyLost = 2;
+  static constexpr int kMaxDistance_px = 8;
 
   // Standard deviation of the grey values that the last call took for noise.
   [[nodiscard]] float noise_sigma() const { return noise_sigma_; }
@@ -74,6 +76,7 @@ class CornerDetector {
   void occupy(std::span<const ImagePoint> points);
   [[nodiscard]] Bucket* bucket_at(int u, int v);
   void spare_what_can_wait();
+  void lay_out_disc();
   void block(int u, int v);
   void search(const ImageView& image, const Bucket& bucket, int wanted,
               std::vector<Corner>& corners);
@@ -89,7 +92,9 @@ class CornerDetector {
   int width_px_ = 0;
   int height_px_ = 0;
   int columns_ = 0;
-  std::vector<Bucket> buckets_;         // rows of `columns_`
+  std::vector<Bucket> buckets_;  // rows of `columns_`
+  using DiscRow = std::array<std::uint8_t, 16>;
+  std::vector<DiscRow> disc_;           // of the least distance around a point
   std::vector<std::uint8_t> blocked_;   // pixels too near to a track
   std::vector<std::uint8_t> contrast_;  // segment test of one bucket, with a margin of one pixel
   std::vector<std::uint8_t> bright_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 namespace egomod {
@@ -10,6 +11,17 @@ struct ImagePoint {
   float u_px = 0.0F;
   float v_px = 0.0F;
 };
+
+[[nodiscard]] inline ImagePoint operator+(ImagePoint a, ImagePoint b) {
+  return {a.u_px + b.u_px, a.v_px + b.v_px};
+}
+[[nodiscard]] inline ImagePoint operator-(ImagePoint a, ImagePoint b) {
+  return {a.u_px - b.u_px, a.v_px - b.v_px};
+}
+[[nodiscard]] inline float length(ImagePoint p) {
+  return std::sqrt(p.u_px * p.u_px + p.v_px * p.v_px);
+}
+[[nodiscard]] inline float distance(ImagePoint a, ImagePoint b) { return length(a - b); }
 
 // A whole pixel.
 struct PixelPosition {
