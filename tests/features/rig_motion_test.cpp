@@ -60,8 +60,11 @@ TEST(RigMotionTest, PredictsRestingPointsAmongMovers) {
     const FollowedPoint& point = store.points()[i];
     const auto expected = motion.predict(point);
     ASSERT_TRUE(expected.has_value());
-    EXPECT_NEAR(expected->u_px, point.left.u_px, kMaxError_px);
-    EXPECT_NEAR(expected->v_px, point.left.v_px, kMaxError_px);
+    EXPECT_NEAR(expected->left.u_px, point.left.u_px, kMaxError_px);
+    EXPECT_NEAR(expected->left.v_px, point.left.v_px, kMaxError_px);
+    const double z_m = kCamera.fx_px * kCamera.baseline_m /
+                       static_cast<double>(point.previous_stereo.disparity_px);
+    EXPECT_GT(expected->disparity_px, point.previous_stereo.disparity_px) << z_m << " m";
   }
 }
 
@@ -81,7 +84,7 @@ TEST(RigMotionTest, SaysNothingOfFewPointsOrWithoutACamera) {
   TrackStore store(kPoints);
   fill(store, 0.0);
   RigMotion motion;
-  motion.begin_pair(StereoCamera{}, true);
+  motion.begin_pair(StereoCamera{}, true, 1.0F);
   EXPECT_FALSE(motion.guess(store));
   motion.begin_pair(kCamera, true, 1.0F);
   for (std::size_t i = 5; i < kPoints; ++i) store.points()[i].followed = false;

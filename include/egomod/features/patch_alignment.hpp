@@ -5,15 +5,17 @@
 
 namespace egomod {
 
-// Subpixel alignment of 11x11 patches, inverse compositional (S. Baker, I. Matthews, Lucas-Kanade
-// 20 Years On, IJCV 2004), Gaussian-weighted, gain and offset free: patches are compared after
-// weighted mean and contrast are taken out, and the two are projected out of the steepest-descent
-// images. Templates sit on whole pixels, so that building one interpolates nothing.
-inline constexpr int kPatchRadius_px = 5;
-inline constexpr int kPatchSide_px = 2 * kPatchRadius_px + 1;
-inline constexpr int kPatchLanes = 144;  // rows of 12; those that are no pixels have weight zero
+// Subpixel alignment of patches, 11 wide and 9 high, inverse compositional (S. Baker, I. Matthews,
+// Lucas-Kanade 20 Years On, IJCV 2004), Gaussian-weighted, gain and offset free: patches are
+// compared after weighted mean and contrast are taken out, and the two are projected out of the
+// steepest-descent images. Templates sit on whole pixels, so that building one interpolates
+// nothing.
+inline constexpr int kPatchRadiusU_px = 5;
+inline constexpr int kPatchRadiusV_px = 4;
+inline constexpr int kPatchRows = 2 * kPatchRadiusV_px + 1;
+inline constexpr int kPatchLanes = 112;  // rows of 12; those that are no pixels have weight zero
 // A template needs this distance to the image border: the gradient filter reads two pixels beyond.
-inline constexpr int kTemplateMargin_px = kPatchRadius_px + 2;
+inline constexpr int kTemplateMargin_px = kPatchRadiusU_px + 2;
 
 // Parameters = 6: position and 2x2 warp. Parameters = 3: position along the row and the two slopes
 // of a disparity plane. Plain arrays: the kernels call no inline function of the library (see
