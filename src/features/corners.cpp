@@ -237,7 +237,7 @@ void CornerDetector::detect(const ImageView& image, std::span<const ImagePoint> 
   if (buckets_.empty()) return;
   occupy(occupied);
   if (!occupied.empty()) spare_what_can_wait();
-  noise_sigma_ = estimate_noise_sigma(image);
+  if (calls_ % kPatience == 1 || occupied.empty()) noise_sigma_ = estimate_noise_sigma(image);
   for (Bucket& bucket : buckets_) {
     if (bucket.wanted == 0) continue;
     const auto tries = static_cast<int>(std::ceil(room_factor * static_cast<float>(bucket.wanted)));

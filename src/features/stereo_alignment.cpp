@@ -9,7 +9,6 @@ namespace {
 
 constexpr int kMaxSteps = 10;
 constexpr float kMinNcc = 0.8F;
-constexpr float kMaxLastStep_px = 0.1F;
 constexpr float kMaxConsistency_px = 0.6F;
 constexpr float kMaxClosure_px = 1.0F;
 constexpr float kMinClosureNcc = 0.6F;
@@ -93,8 +92,7 @@ StereoMeasurement align_stereo(const StereoImages& images, ImagePoint left,
       static_cast<float>(pixel.u_px) - warp.u_px + warp.slope_u * du + warp.slope_v * dv;
   out.variance_px2 = variance(patch, result.ncc);
   const float moved = std::abs(out.disparity_px - start.disparity_px);
-  out.valid = result.ncc >= kMinNcc && result.step_px < kMaxLastStep_px &&
-              out.disparity_px >= kMinDisparity_px &&
+  out.valid = result.ncc >= kMinNcc && result.converged && out.disparity_px >= kMinDisparity_px &&
               moved <= std::max(3.0F, 0.1F * start.disparity_px);
   return out;
 }

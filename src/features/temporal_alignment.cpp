@@ -16,7 +16,6 @@ constexpr float kMinNcc = 0.75F;
 constexpr float kMinDeterminant = 0.3F;
 constexpr float kMaxDeviation = 1.2F;
 constexpr float kMaxCorrection_px = 3.0F;  // beyond what the coarse search found
-constexpr float kMaxLastStep_px = 0.1F;
 constexpr float kBorder_px = 9.0F;
 constexpr float kSuspiciousNccDrop = 0.1F;
 constexpr float kRestingMargin = 0.02F;
@@ -103,8 +102,8 @@ TemporalAlignment::Attempt TemporalAlignment::align_from(const StereoImages& cur
                       moved_to(grown(point.previous_warp, expected.growth), point.offset, start)};
   const ImageView image = current.left.level(0);
   const AlignmentResult result = align(image, store.anchor(point), kMaxSteps, attempt.warp);
-  const bool converged = result.step_px < kMaxLastStep_px &&
-                         distance(point_of(attempt.warp, point.offset), start) < kMaxCorrection_px;
+  const bool converged =
+      result.converged && distance(point_of(attempt.warp, point.offset), start) < kMaxCorrection_px;
   if (converged && plausible(image, attempt.warp, point.offset)) attempt.ncc = result.ncc;
   return attempt;
 }
@@ -302,8 +301,7 @@ void TemporalAlignment::follow_to(const StereoImages& current, const TrackStore&
     AffineWarp warp = moved_to(grown(point.previous_warp, scale), point.offset, expected);
     const AlignmentResult result = align(image, store.anchor(point), 2 * kMaxSteps, warp);
     const bool near = distance(point_of(warp, point.offset), expected) < 2 * kMaxCorrection_px;
-    if (result.step_px < kMaxLastStep_px && near && result.ncc > best.ncc &&
-        plausible(image, warp, point.offset)) {
+    if (result.converged && near && result.ncc > best.ncc && plausible(image, warp, point.offset)) {
       best = {warp, result.ncc};
       if (best.ncc > kClearNcc) break;
     }

@@ -26,7 +26,7 @@ struct PatchTemplate {
   // patch are ever needed, so no residual is formed.
   alignas(64) float weighted_value[kPatchLanes];
   alignas(64) float weighted_gu[kPatchLanes];
-  alignas(64) float weighted_gv[kPatchLanes];
+  alignas(64) float weighted_gv[Parameters == 6 ? kPatchLanes : 1];
   float mean;
   float contrast;  // weighted standard deviation, grey levels
   // Projections of the steepest-descent images onto offset and gain.
@@ -60,7 +60,7 @@ struct PlaneWarp {
 
 struct AlignmentResult {
   float ncc = -1.0F;       // of the last evaluation, -1 where the patch leaves the image
-  float step_px = 0.0F;    // length of the last position step
+  bool converged = false;  // the last position step left little
   float step_u_px = 0.0F;  // the first step of all, along u (closure and consistency checks)
   float step_v_px = 0.0F;
 };
