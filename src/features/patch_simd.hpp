@@ -64,27 +64,23 @@ inline float sum(Float x) {
 // carry aliasing, it measured 0.01 px better than -0.5.
 constexpr float kCubic = -0.75F;
 
-// Weights of neighbouring pixels: of those at -1, 0, 1, 2, or of those at 0, 1.
+// Weights of neighbouring pixels.
 template <int kTaps>
 struct Weights {
   Float w[kTaps];
 };
-template <int kTaps>
-Weights<kTaps> weights_at(Float f) {
+// Of those at -1, 0, 1, 2.
+inline Weights<4> cubic_weights(Float f) {
   const Float g = 1.0F - f;
-  if constexpr (kTaps == 2) {
-    return {{g, f}};
-  } else {
-    const Float fg = f * g * kCubic;
-    const Float first = fg * g;
-    const Float last = fg * f;
-    const Float second = f * f * ((kCubic + 2.0F) * f - (kCubic + 3.0F)) + 1.0F;
-    return {{first, second, 1.0F - first - second - last, last}};
-  }
+  const Float fg = f * g * kCubic;
+  const Float first = fg * g;
+  const Float last = fg * f;
+  const Float second = f * f * ((kCubic + 2.0F) * f - (kCubic + 3.0F)) + 1.0F;
+  return {{first, second, 1.0F - first - second - last, last}};
 }
 
 // Cells: four lanes each, which read from 16 pixels of their own. A row of pixels is interpolated
-// in every lane at its own place: `index` names the first of the lane's kTaps pixels in its cell.
+// in every lane at its own place: `index` names the first of the lane's four pixels in its cell.
 #if defined(__SSE4_1__)
 // Fixed point: two 16-bit products a lane and instruction, weights in 14 bits.
 constexpr float kWeightOne = 16384.0F;
@@ -118,28 +114,22 @@ inline Int products(Int pixels, Int weights) {
 #endif
 }
 
-template <int kTaps>
 class RowInterpolator {
  public:
   RowInterpolator(Int index, Float fraction) {
-    const Weights<kTaps> at = weights_at<kTaps>(fraction);
+    const Weights<4> at = cubic_weights(fraction);
     // Bytes (index, zero, index + 1, zero) of each lane.
     places_ = index * 0x00010001 + int(0x80018000U);
     const Int w0 = rounded(at.w[0] * kWeightOne);
-    if constexpr (kTaps == 2) {
-      first_ = packed(w0, int(kWeightOne) - w0);
-    } else {
-      const Int w1 = rounded(at.w[1] * kWeightOne);
-      const Int w3 = rounded(at.w[3] * kWeightOne);
-      first_ = packed(w0, w1);
-      last_ = packed(int(kWeightOne) - w0 - w1 - w3, w3);
-    }
+    const Int w1 = rounded(at.w[1] * kWeightOne);
+    const Int w3 = rounded(at.w[3] * kWeightOne);
+    first_ = packed(w0, w1);
+    last_ = packed(int(kWeightOne) - w0 - w1 - w3, w3);
   }
   // kWeightOne times the interpolated grey value.
   [[nodiscard]] Float operator()(Int pixels) const {
-    Int total = products(picked(pixels, places_), first_);
-    if constexpr (kTaps == 4) total += products(picked(pixels, places_ + 0x00020002), last_);
-    return as_float(total);
+    return as_float(products(picked(pixels, places_), first_) +
+                    products(picked(pixels, places_ + 0x00020002), last_));
   }
 
  private:
@@ -147,21 +137,19 @@ class RowInterpolator {
 
   Int places_;
   Int first_;
-  Int last_{};
+  Int last_;
 };
 #else
 constexpr float kWeightOne = 1.0F;
 
-template <int kTaps>
 class RowInterpolator {
  public:
-  RowInterpolator(Int index, Float fraction)
-      : index_(index), weights_(weights_at<kTaps>(fraction)) {}
+  RowInterpolator(Int index, Float fraction) : index_(index), weights_(cubic_weights(fraction)) {}
   [[nodiscard]] Float operator()(Int pixels) const {
     unsigned char bytes[sizeof(Int)];
     __builtin_memcpy(bytes, &pixels, sizeof(bytes));
     Float total{};
-    for (int k = 0; k < kTaps; ++k) {
+    for (int k = 0; k < 4; ++k) {
       Float tap{};
       for (int i = 0; i < kLanes; ++i)
         tap[i] = static_cast<float>(bytes[(i / 4) * 16 + index_[i] + k]);
@@ -172,7 +160,7 @@ class RowInterpolator {
 
  private:
   Int index_;
-  Weights<kTaps> weights_;
+  Weights<4> weights_;
 };
 #endif
 
