@@ -37,6 +37,7 @@ constexpr float kOwnMotionMargin = 0.05F;     // by which NCC must be better tha
 constexpr int kSearchLevel = 1;
 constexpr int kOldRadius_px = 4;
 constexpr int kNewRadius_px = 8;
+constexpr float kMinSearchNcc = 0.55F;  // of the best place: below, the point is not there
 
 float deviation(const AffineWarp& w) {
   return std::sqrt((w.a - 1) * (w.a - 1) + w.b * w.b + w.c * w.c + (w.d - 1) * (w.d - 1));
@@ -79,8 +80,9 @@ float median(std::array<float, 5> values) {
 
 }  // namespace
 
-ImagePoint TemporalAlignment::search(const StereoImages& previous, const StereoImages& current,
-                                     ImagePoint from, ImagePoint predicted, int radius_px) {
+std::optional<ImagePoint> TemporalAlignment::search(const StereoImages& previous,
+                                                    const StereoImages& current, ImagePoint from,
+                                                    ImagePoint predicted, int radius_px) {
   const int level = std::min(kSearchLevel, current.left.levels() - 1);
   const PixelPosition source = patch_top_left(to_level(from, level));
   SearchPatch patch;
@@ -88,9 +90,10 @@ ImagePoint TemporalAlignment::search(const StereoImages& previous, const StereoI
   const PixelPosition start = patch_top_left(to_level(predicted, level));
   const PatchSearchResult best = search_.search(current.left.level(level), patch, start, radius_px);
   if (!best.found) return predicted;
+  if (best.ncc < kMinSearchNcc) return std::nullopt;
   const auto scale = static_cast<float>(1 << level);
-  return {from.u_px + scale * static_cast<float>(best.top_left.u_px - source.u_px),
-          from.v_px + scale * static_cast<float>(best.top_left.v_px - source.v_px)};
+  return ImagePoint{from.u_px + scale * static_cast<float>(best.top_left.u_px - source.u_px),
+                    from.v_px + scale * static_cast<float>(best.top_left.v_px - source.v_px)};
 }
 
 TemporalAlignment::Attempt TemporalAlignment::align_from(const StereoImages& current,
@@ -111,8 +114,9 @@ TemporalAlignment::Attempt TemporalAlignment::align_from(const StereoImages& cur
 TemporalAlignment::Attempt TemporalAlignment::search_and_align(
     const StereoImages& previous, const StereoImages& current, const TrackStore& store,
     const FollowedPoint& point, const Expectation& expected, int radius_px) {
-  const ImagePoint found = search(previous, current, point.previous_left, expected.left, radius_px);
-  return align_from(current, store, point, {found, expected.growth});
+  const std::optional<ImagePoint> found =
+      search(previous, current, point.previous_left, expected.left, radius_px);
+  return found ? align_from(current, store, point, {*found, expected.growth}) : Attempt{};
 }
 
 void TemporalAlignment::follow_expected(Part part, const RigMotion& motion,

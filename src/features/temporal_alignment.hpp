@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -76,8 +77,10 @@ class TemporalAlignment {
                                          const Expectation& expected, int radius_px);
   void follow_one(const RigMotion& motion, bool any_motion, const StereoImages& previous,
                   const StereoImages& current, const TrackStore& store, FollowedPoint& point);
-  [[nodiscard]] ImagePoint search(const StereoImages& previous, const StereoImages& current,
-                                  ImagePoint from, ImagePoint predicted, int radius_px);
+  // Nothing where no place looks like it; the prediction where it cannot be searched for.
+  [[nodiscard]] std::optional<ImagePoint> search(const StereoImages& previous,
+                                                 const StereoImages& current, ImagePoint from,
+                                                 ImagePoint predicted, int radius_px);
   void gather_neighbours(const TrackStore& store);
   void gather_own_motions(const RigMotion& motion, const TrackStore& store);
   template <std::size_t kCount>
