@@ -38,4 +38,15 @@ class CorrelationPatch {
   std::int32_t variance_ = 0;
 };
 
+// Copies `width` x `height` pixels as floats, rows `stride` apart and zeros behind them.
+inline void copy_strip(const ImageView& image, int u, int v, int width, int height, float* strip,
+                       std::ptrdiff_t stride) {
+  for (int j = 0; j < height; ++j) {
+    const std::uint8_t* const from = image.row(v + j) + u;
+    float* const to = strip + j * stride;
+    for (int i = 0; i < width; ++i) to[i] = static_cast<float>(from[i]);
+    for (std::ptrdiff_t i = width; i < stride; ++i) to[i] = 0.0F;
+  }
+}
+
 }  // namespace egomod

@@ -101,8 +101,7 @@ Peaks Search::coarse(PixelPosition corner) const {
   if (!contains(from, u, v, kCoarse_px) || v + kCoarse_px > to.height_px || last < first) return {};
   const int count = last - first + 1;
   const std::ptrdiff_t stride = strip_stride(count, kCoarse_px);
-  kernels.to_strip(to.row(v) + first, to.stride_bytes, count + kCoarse_px - 1, kCoarse_px, strip,
-                   stride);
+  copy_strip(to, first, v, count + kCoarse_px - 1, kCoarse_px, strip, stride);
   const CorrelationPatch<kCoarse_px> patch(from.row(v) + u, from.stride_bytes);
   kernels.correlate_8(patch.along(strip, stride, count), ncc);
   return local_maxima(ncc, count, u - first);
@@ -119,8 +118,7 @@ Refined Search::fine(const CorrelationPatch<kFine_px>& patch, PixelPosition corn
   if (last < first || v < 0 || v + kFine_px > to.height_px) return {};
   const int count = last - first + 1;
   constexpr std::ptrdiff_t stride = strip_stride(2 * kFineReach_px + 1, kFine_px);
-  kernels.to_strip(to.row(v) + first, to.stride_bytes, count + kFine_px - 1, kFine_px, strip,
-                   stride);
+  copy_strip(to, first, v, count + kFine_px - 1, kFine_px, strip, stride);
   kernels.correlate_11(patch.along(strip, stride, count), ncc);
   const int at = static_cast<int>(std::max_element(ncc, ncc + count) - ncc);
   return {u - first - at, row, ncc[at]};

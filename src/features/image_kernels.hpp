@@ -54,10 +54,6 @@ struct ImageKernels {
                 int count, std::uint8_t* peaks);
   // Reads rows and columns -4..+5 around the centre.
   WindowSums (*window_sums)(const std::uint8_t* centre, std::ptrdiff_t stride);
-  // Copies `width` x `height` pixels as floats, rows `to_stride` apart (at least `width`, a
-  // multiple of 8) and zeros behind them. Reads up to 7 pixels behind each row.
-  void (*to_strip)(const std::uint8_t* from, std::ptrdiff_t from_stride, int width, int height,
-                   float* to, std::ptrdiff_t to_stride);
   // Writes padded_count(count) values, those behind `count` without meaning; -1 where the strip is
   // flat.
   void (*correlate_8)(const Correlation& c, float* ncc);

@@ -70,8 +70,8 @@ PatchSearchResult PatchSearch::search(const ImageView& image, const SearchPatch&
   const ImageKernels kernels = image_kernels();
   const CorrelationPatch<kSide> wanted(patch.data(), kSide);
   const std::ptrdiff_t stride = strip_stride(u.count(), kSide);
-  kernels.to_strip(image.row(v.first) + u.first, image.stride_bytes, u.count() + kSide - 1,
-                   v.count() + kSide - 1, strip_.data(), stride);
+  copy_strip(image, u.first, v.first, u.count() + kSide - 1, v.count() + kSide - 1, strip_.data(),
+             stride);
   for (int j = 0; j < v.count(); ++j)
     kernels.correlate_8(wanted.along(strip_.data() + j * stride, stride, u.count()),
                         ncc_.data() + static_cast<std::ptrdiff_t>(j) * kMaxPlaces);
