@@ -81,9 +81,9 @@ constexpr Option kOptions[] = {
     NUMBER(egomotion.track_map.trust_rate, 0, 1, "a pair", "How fast one that fits regains it"),
     NUMBER(egomotion.track_map.reset_below_weight, 0, 1, "", "A track trusted less starts anew where it is seen"),
 
-    NUMBER(egomotion.rival.min_support_ratio, 0, 1, "", "Tracks for a second motion, to each for the estimate alone, that make it ambiguous"),
+    NUMBER(egomotion.rival.min_support_ratio, 0, 1, "", "Support of a second motion, to that of the estimate alone, that makes it ambiguous"),
     NUMBER(egomotion.rival.ratio_to_stay, 0, 1, "", "The same once it is ambiguous"),
-    NUMBER(egomotion.rival.overwhelming_ratio, 1, 1000, "", "A motion with this many tracks for each of the other's is the world's, whatever the past"),
+    NUMBER(egomotion.rival.overwhelming_ratio, 1, 1000, "", "A motion with so many times the other's support is the world's, whatever the past"),
     NUMBER(egomotion.rival.acceleration_sigma_mps2, 0.001, 1000, "m/s^2", "How a rig may change its velocity, to decide between the two"),
     NUMBER(egomotion.rival.turn_acceleration_sigma_radps2, 0.001, 1000, "rad/s^2", "How it may change its turn rate"),
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -16,21 +17,23 @@
 namespace egomod {
 
 struct RivalConfig {
-  // From this many tracks on for each that the estimate alone explains, a second motion makes the
-  // estimate ambiguous: 0.55 is a mover on 35 % of the tracks that tell the two apart, or the
+  // From this much support on for each that the estimate alone has, a second motion makes the
+  // estimate ambiguous: 0.55 is a mover on 35 % of the image that tells the two apart, or the
   // world on no more than that.
   double min_support_ratio = 0.55;
   double ratio_to_stay = 0.35;  // the same once it is ambiguous
-  // A motion explaining this many tracks for each of the other's is the world's, whatever the past.
+  // A motion with this much support for each of the other's is the world's, whatever the past.
   double overwhelming_ratio = 5.0;
   // How a rig may change its velocity: decides between motions that are about equally supported.
   double acceleration_sigma_mps2 = 1.0;
   double turn_acceleration_sigma_radps2 = 1.0;
 };
 
-// What speaks for one of two motions; only tracks that the other does not explain count.
+// What speaks for one of two motions; only tracks that the other does not explain count. Cells of
+// the image vote, each once however many tracks it has: the world is all around, while a mover with
+// a rich texture is in one place.
 struct Support {
-  double tracks = 0.0;
+  double cells = 0.0;
   double known_static = 0.0;  // of them, weighted by how long and how surely they stood still
   double surprise = 0.0;      // squared Mahalanobis distance from constant velocity
 };
@@ -67,17 +70,33 @@ class RivalFinder {
                             double noise_scale, const VelocityState& velocity, double dt_s,
                             Rival& rival);
   void reserve(std::size_t points);
-  [[nodiscard]] bool enough_outliers(std::span<const TrackRole> roles) const;
+  [[nodiscard]] bool enough_outliers(const TrackSet& tracks, std::span<const TrackRole> roles);
   void gather(const TrackSet& tracks, std::span<const TrackRole> roles, double noise_scale);
-  void count_support(const TrackSet& tracks, const Eigen::Isometry3d& T_estimate,
-                     const Eigen::Isometry3d& T_rival, std::span<const MapPoint> map,
-                     Support& estimate, Support& rival);
+  void vote(const TrackSet& tracks, const Eigen::Isometry3d& T_estimate,
+            const Eigen::Isometry3d& T_rival, std::span<const MapPoint> map);
+  void count_support(Support& estimate, Support& rival) const;
   [[nodiscard]] double surprise(const Solution& solution, const VelocityState& velocity,
                                 double dt_s) const;
   [[nodiscard]] bool prefers(const Support& rival, const Support& estimate) const;
 
+  struct Votes {
+    int tracks = 0;
+    double knowledge = 0.0;
+  };
+  struct Cell {
+    int tracks = 0;
+    Votes estimate;
+    Votes rival;
+  };
+  void clear_cells() { cells_.fill({}); }
+  [[nodiscard]] Cell& cell_of(const StereoCamera& camera, const Eigen::Vector3d& observed_px);
+  [[nodiscard]] double occupied_cells() const;
+
   RivalConfig config_;
   bool found_ = false;  // in the last pair
+  static constexpr int kColumns = 16;
+  static constexpr int kRows = 12;
+  std::array<Cell, static_cast<std::size_t>(kColumns* kRows)> cells_;
   GaussNewtonSolver solver_;
   RobustGaussNewton whitened_;
   std::vector<double> by_estimate_;  // squared distances of all
