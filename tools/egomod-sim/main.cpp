@@ -8,6 +8,7 @@
 
 #include "folder_writer.hpp"
 #include "log_writer.hpp"
+#include "serve.hpp"
 #include "simulator.hpp"
 #include "world_file.hpp"
 
@@ -21,6 +22,7 @@ struct Arguments {
   std::optional<std::uint32_t> seed;
   std::optional<double> duration_s;
   FolderOptions options;
+  ServeOptions serve;
   bool list = false;
 };
 
@@ -28,13 +30,16 @@ World chosen_world(const Arguments& arguments) {
   World world = read_world(find_world(arguments.world, world_folder()));
   if (arguments.seed) world.seed = *arguments.seed;
   // Only shorter: the file was checked for its own duration.
-  if (arguments.duration_s) world.duration_s = std::min(world.duration_s, *arguments.duration_s);
+  if (arguments.duration_s && (world.is_endless() || *arguments.duration_s < world.duration_s)) {
+    world.duration_s = *arguments.duration_s;
+  }
   return world;
 }
 
 void record(const Arguments& arguments) {
   Simulator simulator(chosen_world(arguments));
   const World& world = simulator.world();
+  if (world.is_endless()) throw WorldError(world.name + ": is endless; give --duration SECONDS");
   std::optional<FolderWriter> folder;
   std::optional<LogWriter> log;
   if (!arguments.folder.empty()) folder.emplace(arguments.folder, world.camera, arguments.options);
@@ -66,6 +71,10 @@ void run(const Arguments& arguments) {
     return;
   }
   if (arguments.world.empty()) throw WorldError("which world? --list shows them");
+  if (arguments.serve.socket >= 0) {
+    Simulator simulator(chosen_world(arguments));
+    return serve(simulator, arguments.serve);
+  }
   if (arguments.folder.empty() && arguments.log.empty()) {
     throw WorldError("nothing to write: give --out DIR, --log FILE or both");
   }
@@ -90,6 +99,12 @@ int main(int argc, char** argv) {
                "Write depth_0 too: 16-bit PNG, millimetres (needs --out)");
   app.add_flag("--masks", arguments.options.masks,
                "Write mask_0 too: 8-bit PNG, object ids (needs --out)");
+  app.add_option("--serve", arguments.serve.socket,
+                 "For egomodd --source sim, which starts this program: the socket to it");
+  app.add_flag("--realtime", arguments.serve.realtime,
+               "Serve by the wall clock, and leave out what there is no time for");
+  app.add_option("--lcm-url", arguments.serve.lcm_url,
+                 "Serve: the bus on which a driven rig gets its commands");
   app.add_flag("--list", arguments.list, "Print the names of the worlds that are installed");
   try {
     app.parse(argc, argv);

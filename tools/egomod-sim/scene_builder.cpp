@@ -122,21 +122,25 @@ Trajectory rig_trajectory(const Rig& rig) {
   return [rig](double t_s) {
     const PlanPose at = pose_at(rig.motion, t_s);
     const double way_m = rig.motion.spin_radps != 0.0 ? 0.0 : distance_m(rig.motion.profile, t_s);
-    const Wobble& w = rig.wobble;
-    const double pitch = rig.pitch_rad + w.pitch_rad * wave(way_m, w.wavelength_m, 0.3);
-    const double roll = w.roll_rad * wave(way_m, w.wavelength_m, 1.9);
-    const double bounce = w.bounce_m * wave(way_m, w.wavelength_m, 4.1);
-    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-    T.translation() = Vector3d(at.x_m, -rig.height_m - bounce, at.z_m);
-    T.linear() =
-        (Eigen::AngleAxisd(at.heading_rad, Vector3d::UnitY()) *
-         Eigen::AngleAxisd(-pitch, Vector3d::UnitX()) * Eigen::AngleAxisd(roll, Vector3d::UnitZ()))
-            .toRotationMatrix();
-    return T;
+    return T_world_camera(rig, at, way_m);
   };
 }
 
 }  // namespace
+
+Eigen::Isometry3d T_world_camera(const Rig& rig, const PlanPose& at, double way_m) {
+  const Wobble& w = rig.wobble;
+  const double pitch = rig.pitch_rad + w.pitch_rad * wave(way_m, w.wavelength_m, 0.3);
+  const double roll = w.roll_rad * wave(way_m, w.wavelength_m, 1.9);
+  const double bounce = w.bounce_m * wave(way_m, w.wavelength_m, 4.1);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation() = Vector3d(at.x_m, -rig.height_m - bounce, at.z_m);
+  T.linear() =
+      (Eigen::AngleAxisd(at.heading_rad, Vector3d::UnitY()) *
+       Eigen::AngleAxisd(-pitch, Vector3d::UnitX()) * Eigen::AngleAxisd(roll, Vector3d::UnitZ()))
+          .toRotationMatrix();
+  return T;
+}
 
 Trajectory on_floor(const Motion& motion) {
   return [motion](double t_s) {

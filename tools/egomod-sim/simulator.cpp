@@ -25,13 +25,36 @@ void add_pixels(const StereoCamera& c, const Buffers& seen, ObjectTruth& truth) 
   if (truth.visible_px > 0) truth.surface_centroid_m = sum_m / truth.visible_px;
 }
 
+std::unique_ptr<DrivenBase> base_of(const World& world) {
+  if (!world.rig.driven) return nullptr;
+  return std::make_unique<DrivenBase>(*world.rig.driven, floor_of(world.shell), world.seed);
+}
+
 }  // namespace
 
 Simulator::Simulator(World world)
     : world_(std::move(world)),
+      base_(base_of(world_)),
       built_(build_scene(world_)),
       renderer_(built_.scene, world_.camera),
-      sensor_(world_.realism, world_.camera.width_px, world_.camera.height_px, world_.seed) {}
+      sensor_(world_.realism, world_.camera.width_px, world_.camera.height_px, world_.seed) {
+  if (!base_) return;
+  built_.scene.T_world_camera = [rig = world_.rig, base = base_.get()](double t_s) {
+    const BaseState state = base->at(t_s);
+    return sim::T_world_camera(rig, state.pose, state.way_m);
+  };
+}
+
+Calibration Simulator::calibration() const {
+  Calibration calibration;
+  calibration.camera = world_.camera;
+  return calibration;
+}
+
+// As far as any exposure of the pair may reach.
+void Simulator::go_on_to(std::uint64_t pair) {
+  if (base_) base_->advance(time_s(pair + 1));
+}
 
 Eigen::Isometry3d Simulator::T_camera_world(int eye, double t_s) const {
   const Eigen::Isometry3d T_left_world = built_.scene.T_world_camera(t_s).inverse();
@@ -73,6 +96,7 @@ void Simulator::take(int eye, std::uint64_t pair, Image& out) {
 }
 
 void Simulator::take_pair(std::uint64_t pair, Image& left, Image& right) {
+  go_on_to(pair);
   take(0, pair, left);
   take(1, pair, right);
 }
@@ -100,6 +124,7 @@ ObjectState Simulator::state_of(const SceneObject& object, double t_s, const Buf
 }
 
 void Simulator::take_truth(std::uint64_t pair, Truth& truth) {
+  go_on_to(pair);
   const double t_s = time_s(pair);
   renderer_.render_buffers(t_s, T_camera_world(0, t_s), Renderer::kAll, truth.buffers);
   truth.T_first_current =

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -25,13 +26,17 @@ struct Truth {
   Buffers buffers;  // of the left camera
 };
 
-// A world that can be looked at, at any time and in any order. Threads: as Renderer.
+// A world that can be looked at, at any time and in any order; where the rig is driven, in order of
+// time, since what it will be told is not known. Threads: as Renderer.
 class Simulator {
  public:
   explicit Simulator(World world);
 
   [[nodiscard]] const World& world() const { return world_; }
   [[nodiscard]] const BuiltScene& built() const { return built_; }
+  [[nodiscard]] Calibration calibration() const;
+  // The base that carries the rig; nullptr where it follows its own trajectory.
+  [[nodiscard]] DrivenBase* base() { return base_.get(); }
   [[nodiscard]] double time_s(std::uint64_t pair) const {
     return static_cast<double>(pair) / world_.rate_hz;
   }
@@ -41,12 +46,14 @@ class Simulator {
   [[nodiscard]] std::string device() const { return renderer_.device(); }
 
  private:
+  void go_on_to(std::uint64_t pair);
   void take(int eye, std::uint64_t pair, Image& out);
   void blur(int eye, double t_s, Image& out);
   [[nodiscard]] Eigen::Isometry3d T_camera_world(int eye, double t_s) const;
   [[nodiscard]] ObjectState state_of(const SceneObject& object, double t_s, const Buffers& seen);
 
   World world_;
+  std::unique_ptr<DrivenBase> base_;  // the scene's rig asks it
   BuiltScene built_;
   Renderer renderer_;
   Sensor sensor_;

@@ -3,9 +3,11 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "driven_base.hpp"
 #include "egomod/core/calibration.hpp"
 #include "motion.hpp"
 
@@ -34,6 +36,7 @@ struct Wobble {
 
 struct Rig {
   Motion motion;
+  std::optional<Drive> driven;  // then it follows commands instead
   double height_m = 0.45;
   double pitch_rad = 0.0;  // positive looks down
   Wobble wobble;
@@ -75,7 +78,7 @@ struct Thing {
 
 struct World {
   std::string name;
-  double duration_s = 10.0;
+  double duration_s = 10.0;  // 0: endless
   double rate_hz = 30.0;
   std::uint32_t seed = 1;
   StereoCamera camera;
@@ -85,9 +88,11 @@ struct World {
   std::vector<Poster> posters;
   std::vector<Thing> things;
 
+  [[nodiscard]] bool is_endless() const { return duration_s == 0.0; }
   [[nodiscard]] int pairs() const;  // at 0, 1 / rate, ... up to and without duration
 };
 
+[[nodiscard]] Floor floor_of(const Shell& shell);
 [[nodiscard]] std::string to_string(ThingKind kind);
 // Of the box around the thing at rest.
 [[nodiscard]] Eigen::Vector3d size_m(const Thing& thing);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "drive_file.hpp"
 #include "materials.hpp"
 #include "table_reader.hpp"
 
@@ -18,6 +19,7 @@ namespace fs = std::filesystem;
 constexpr double kFar_m = 1000.0;
 constexpr double kRadPerDeg = M_PI / 180.0;
 constexpr double kCheck_s = 0.05;
+constexpr double kCheckedOfEndless_s = 3600.0;
 constexpr double kMaxSpeed_mps = 50.0;
 
 double degrees(TableReader& in, const std::string& key, double limit_deg) {
@@ -126,7 +128,8 @@ void read_wobble(TableReader& in, Wobble& wobble) {
 // Whether a circle of this radius leaves the floor, and when.
 void check_inside(const World& world, const Motion& motion, double radius_m, TableReader& in) {
   const Shell& s = world.shell;
-  for (double t = 0.0; t < world.duration_s; t += kCheck_s) {
+  const double checked_s = world.is_endless() ? kCheckedOfEndless_s : world.duration_s;
+  for (double t = 0.0; t < checked_s; t += kCheck_s) {
     const PlanPose at = pose_at(motion, t);
     if (std::abs(at.x_m) + radius_m <= 0.5 * s.width_m && at.z_m - radius_m >= -s.rear_m &&
         at.z_m + radius_m <= s.length_m - s.rear_m) {
@@ -141,11 +144,21 @@ void check_inside(const World& world, const Motion& motion, double radius_m, Tab
   }
 }
 
+void read_rig_motion(TableReader& in, World& world) {
+  Rig& rig = world.rig;
+  if (!in.has("driven")) return read_required_motion(in, rig.motion);
+  if (in.has("motion")) in.fail("motion", "a rig that is driven has none of its own");
+  in.table("driven", [&](TableReader& table) {
+    rig.driven = read_drive(table, floor_of(world.shell));
+    rig.motion.path = endless_path(rig.driven->start, 0.0);
+  });
+}
+
 void read_rig(TableReader& in, World& world) {
   Rig& rig = world.rig;
   rig.height_m = in.number("height_m", rig.height_m, 0.05, 10.0);
   rig.pitch_rad = degrees(in, "pitch_deg", 60.0);
-  read_required_motion(in, rig.motion);
+  read_rig_motion(in, world);
   in.table("wobble", [&](TableReader& table) { read_wobble(table, rig.wobble); });
   check_inside(world, rig.motion, 0.1, in);
   if (rig.height_m >= world.shell.height_m) in.fail("height_m", "is above the ceiling");
@@ -242,7 +255,7 @@ constexpr int kMaxObjects = 200;
 
 World read(TableReader& in) {
   World world;
-  world.duration_s = in.number("duration_s", std::nullopt, 0.001, 1e5);
+  world.duration_s = in.number("duration_s", std::nullopt, 0.0, 1e5);
   world.seed = static_cast<std::uint32_t>(in.integer("seed", 1, 0, 1'000'000'000));
   for (const char* key : {"shell", "rig", "camera"}) {
     if (!in.has(key)) in.fail(key, "is missing");
@@ -258,6 +271,9 @@ World read(TableReader& in) {
     if (++id > kMaxObjects) table.fail("kind", fmt::format("more than {} objects", kMaxObjects));
     read_object(table, world, id);
   });
+  if (world.is_endless() && !world.rig.driven) {
+    in.fail("duration_s", "only a world whose rig is driven can be endless");
+  }
   in.finish();
   return world;
 }
