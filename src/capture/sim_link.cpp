@@ -97,7 +97,11 @@ bool SimLink::receive() {
   message.msg_iovlen = 1;
   message.msg_control = control.data();
   message.msg_controllen = control.size();
-  const ssize_t size = recvmsg(child_.socket(), &message, MSG_CMSG_CLOEXEC);
+  ssize_t size = 0;
+  do {
+    size = recvmsg(child_.socket(), &message, MSG_CMSG_CLOEXEC);
+    // A reset is reported once, ahead of what was sent before it.
+  } while (size < 0 && (is_interruption(errno) || errno == ECONNRESET));
   if (size <= 0) return false;
   size_ = static_cast<std::size_t>(size);
   const cmsghdr* const header = CMSG_FIRSTHDR(&message);
@@ -109,10 +113,9 @@ bool SimLink::receive() {
   return true;
 }
 
+// A simulator that has hung up may have said why: that is for `wait` to find.
 void SimLink::send(const sim_protocol::Request& request) {
-  if (::send(child_.socket(), &request, sizeof request, MSG_NOSIGNAL) != sizeof request) {
-    fail_as_ended();
-  }
+  static_cast<void>(::send(child_.socket(), &request, sizeof request, MSG_NOSIGNAL));
 }
 
 std::optional<std::string> SimLink::news() {

@@ -12,11 +12,11 @@ namespace egomod {
 
 // The source `sim`: a world that egomod-sim renders, a process of its own.
 struct SimSettings {
-  std::filesystem::path program;  // egomod-sim
-  std::string world;              // name or path; empty: the default one
-  std::string rig_file;           // empty: the world's calibration
-  std::string lcm_url;            // where a driven rig listens; empty: as the daemon's own
-  bool realtime = false;          // by the wall clock, instead of in lockstep
+  std::filesystem::path program{};  // egomod-sim
+  std::string world{};              // name or path; empty: the default one
+  std::string rig_file{};           // empty: the world's calibration
+  std::string lcm_url{};            // where a driven rig listens; empty: as the daemon's own
+  bool realtime = false;            // by the wall clock, instead of in lockstep
   std::chrono::milliseconds patience{60000};  // with a simulator that says nothing
 };
 

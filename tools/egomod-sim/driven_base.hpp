@@ -22,7 +22,7 @@ struct DriveCommand {
 
 // A Pioneer P3-DX, unless said otherwise.
 struct Drive {
-  PlanPose start;
+  PlanPose start{};
   double max_speed_mps = 1.2;
   double max_turn_radps = 300.0 * M_PI / 180.0;
   double acceleration_mps2 = 0.3;
@@ -34,7 +34,7 @@ struct Drive {
   double wheel_noise_m_per_sqrt_m = 0.0;  // each wheel's random walk over its way
   double wheel_track_m = 0.33;
   double radius_m = 0.25;
-  std::vector<DriveCommand> script;  // in order of time
+  std::vector<DriveCommand> script{};  // in order of time
 };
 
 // The floor that it stands on.
