@@ -20,7 +20,9 @@
 #include <vector>
 
 #include "gl_context.hpp"
+#include "record_truth.hpp"
 #include "run_program.hpp"
+#include "sequence.hpp"
 
 namespace egomod {
 namespace {
@@ -95,6 +97,22 @@ std::vector<truth_pose_t> true_poses(const fs::path& record) {
   return poses;
 }
 
+void expect_same(const eval::Truth& files, const eval::Truth& record) {
+  constexpr double kPrinted = 2e-6;  // the last digit of the files
+  ASSERT_EQ(files.times_s.size(), record.times_s.size());
+  for (std::size_t i = 0; i < files.times_s.size(); ++i) {
+    EXPECT_NEAR(files.times_s[i], record.times_s[i], kPrinted);
+    EXPECT_TRUE(files.poses[i].T_world_camera.isApprox(record.poses[i].T_world_camera, kPrinted));
+    const eval::TruthObject& a = files.objects->at(static_cast<int>(i)).at(0);
+    const eval::TruthObject& b = record.objects->at(static_cast<int>(i)).at(0);
+    EXPECT_NEAR((a.surface_m - b.surface_m).norm(), 0.0, kPrinted);
+    EXPECT_NEAR((a.velocity_mps - b.velocity_mps).norm(), 0.0, kPrinted);
+    EXPECT_EQ(a.visible_px, b.visible_px);
+    EXPECT_EQ(a.rectangle.u_max_px, b.rectangle.u_max_px);
+    EXPECT_EQ(a.moving, b.moving);
+  }
+}
+
 class DaemonOnWorld : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -153,6 +171,7 @@ TEST_F(DaemonOnWorld, RecordsWhatTheRenderedFolderGivesAndTheTruthBehindEachPair
     EXPECT_EQ(from_world[i].channel, from_folder[i].channel);
     EXPECT_EQ(from_world[i].bytes, from_folder[i].bytes) << from_world[i].channel << ' ' << i;
   }
+  expect_same(eval::read_truth(folder), eval::read_truth_of_record(folder_ / "from_world"));
   const auto poses = true_poses(folder_ / "from_world");
   ASSERT_EQ(poses.size(), static_cast<std::size_t>(kPairs));
   EXPECT_EQ(poses[8].utime, 500'000);
