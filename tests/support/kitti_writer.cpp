@@ -72,11 +72,10 @@ void write_pair(const SyntheticWorld& world, double t_s, int index, const fs::pa
 }
 
 // On every core; the first error ends all of them.
-void write_images(const SyntheticWorld& world, const Recording& recording, const fs::path& folder,
-                  const std::function<void(int written)>& on_pair) {
+void write_images(const SyntheticWorld& world, const Recording& recording,
+                  const fs::path& folder) {
   std::atomic<int> next = 0;
   std::mutex mutex;
-  int written = 0;
   std::exception_ptr error;
   const auto work = [&] {
     Image left;
@@ -84,8 +83,6 @@ void write_images(const SyntheticWorld& world, const Recording& recording, const
     for (int i = next++; i < recording.pairs; i = next++) {
       try {
         write_pair(world, i / recording.rate_hz, i, folder, left, right);
-        const std::lock_guard lock(mutex);
-        if (on_pair) on_pair(++written);
       } catch (...) {
         const std::lock_guard lock(mutex);
         error = std::current_exception();
@@ -141,11 +138,11 @@ void write_png16(const fs::path& file, std::span<const std::uint16_t> pixels, in
 }
 
 void write_kitti_sequence(const SyntheticWorld& world, const Recording& recording,
-                          const fs::path& folder, const std::function<void(int written)>& on_pair) {
+                          const fs::path& folder) {
   fs::create_directories(folder / "image_0");
   fs::create_directories(folder / "image_1");
   write_calibration(world.camera(), folder / "calib.txt");
-  write_images(world, recording, folder, on_pair);
+  write_images(world, recording, folder);
   write_truth(world, recording, folder);
 }
 

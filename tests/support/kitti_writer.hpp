@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <iosfwd>
 #include <span>
 #include <string_view>
@@ -35,10 +34,8 @@ struct Recording {
 
 // Writes what the world's rig sees from t = 0 on into a folder of the KITTI odometry layout:
 // image_0 (left), image_1 (right), calib.txt, times.txt, and the truth as poses.txt and
-// objects.csv. Uses every core; `on_pair` is told, from one thread at a time, how many pairs are
-// written.
+// objects.csv. Uses every core.
 void write_kitti_sequence(const SyntheticWorld& world, const Recording& recording,
-                          const std::filesystem::path& folder,
-                          const std::function<void(int written)>& on_pair = {});
+                          const std::filesystem::path& folder);
 
 }  // namespace egomod::test_support
