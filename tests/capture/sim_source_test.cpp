@@ -13,6 +13,7 @@
 #include <fstream>
 #include <thread>
 
+#include "counted_new.hpp"
 #include "fake_simulator.hpp"
 
 namespace egomod {
@@ -79,6 +80,18 @@ TEST(SimSource, HandsOutEachPairWithItsTimesItsCalibrationAndTheTruth) {
   }
   EXPECT_EQ(source->next(pair, {}), SourceState::kEnd);
   EXPECT_EQ(source->next(pair, {}), SourceState::kEnd);
+}
+
+TEST(SimSource, TakesNoMemoryInItsSteadyState) {
+  const auto source = open("good");
+  const std::stop_source stop;
+  StereoPair pair;
+  for (int i = 0; i < 2; ++i) ASSERT_EQ(source->next(pair, stop.get_token()), SourceState::kPair);
+  const long before = allocations();
+  for (int i = 2; i < fake_simulator::kPairs; ++i) {
+    ASSERT_EQ(source->next(pair, stop.get_token()), SourceState::kPair);
+  }
+  EXPECT_EQ(allocations() - before, 0);
 }
 
 TEST(SimSource, RejectsALeftImageWithoutARightOne) {
