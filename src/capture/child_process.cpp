@@ -102,6 +102,7 @@ ChildProcess::ChildProcess(const std::filesystem::path& program, std::vector<std
   plan.give(its_socket.get(), socket_in_child);
   arguments.insert(arguments.begin(), program.string());
   std::vector<char*> argv;
+  argv.reserve(arguments.size() + 1);
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
   require(

@@ -141,6 +141,27 @@ TEST(SimSource, TakesACalibrationThatFitsItsImages) {
   EXPECT_THROW(source->set_calibration(other), SourceError);
 }
 
+TEST(SimSource, PrefersARigFileThatFitsItsImages) {
+  const std::string file = ::testing::TempDir() + "/sim_rig_" + std::to_string(getpid()) + ".toml";
+  const auto open_with_rig = [&](const std::string& size) {
+    const std::string camera = "size_px = " + size +
+                               "\nfx_px = 36.0\nfy_px = 36.0\ncx_px = 19.5\ncy_px = 14.5\n"
+                               "distortion = [0.03, 0.0, 0.0, 0.0, 0.0]\n";
+    std::ofstream(file) << "[left]\n"
+                        << camera << "[right]\n"
+                        << camera << "[right_from_left]\n"
+                        << "rotation = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]\n"
+                        << "translation_m = [-0.5, 0.0, 0.0]\n";
+    return open_sim_source({.program = FAKE_SIMULATOR, .world = "good", .rig_file = file}, {});
+  };
+  StereoPair pair;
+  ASSERT_EQ(open_with_rig("[40, 30]")->next(pair, {}), SourceState::kPair);
+  EXPECT_EQ(pair.calibration.left.distortion[0], 0.03);
+  EXPECT_NEAR(pair.calibration.camera.baseline_m, 0.5, 1e-9);
+  EXPECT_THROW(open_with_rig("[48, 30]"), SourceError);
+  unlink(file.c_str());
+}
+
 TEST(SimSource, SaysWhatTheSimulatorSaidWhenItCouldNotBegin) {
   EXPECT_THAT(refusal("cannot-begin"),
               AllOf(HasSubstr("ended with exit code 1"), HasSubstr("nowhere: no such world")));

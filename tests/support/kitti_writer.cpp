@@ -72,8 +72,7 @@ void write_pair(const SyntheticWorld& world, double t_s, int index, const fs::pa
 }
 
 // On every core; the first error ends all of them.
-void write_images(const SyntheticWorld& world, const Recording& recording,
-                  const fs::path& folder) {
+void write_images(const SyntheticWorld& world, const Recording& recording, const fs::path& folder) {
   std::atomic<int> next = 0;
   std::mutex mutex;
   std::exception_ptr error;
