@@ -106,7 +106,7 @@ void add_thing(const Thing& thing, std::uint32_t seed, Painter& painter, BuiltSc
   }
   if (thing.id == 0) return;
   const Vector3d centre(0, -thing.lift_m - 0.5 * size_m(thing).y(), 0);
-  built.objects.push_back({thing.id, to_string(thing.kind), centre, T_world_thing});
+  built.objects.push_back({thing.id, to_string(thing.kind), centre, size_m(thing), T_world_thing});
 }
 
 // Three incommensurable waves in each direction; at the start of the way the rig stands level.

@@ -8,6 +8,7 @@
 
 #include "egomod/core/calibration.hpp"
 #include "motion.hpp"
+#include "optics.hpp"
 
 namespace egomod::sim {
 
@@ -22,6 +23,24 @@ struct Realism {
   double gain_drift_period_s = 8.0;
   double exposure_s = 0.0;  // motion blur
   int blur_samples = 1;     // renderings an exposure; 1: no blur
+  double readout_s = 0.0;   // of all rows by a rolling shutter; 0: all at once
+  int readout_strips = 60;  // rows of one strip are rendered at one instant
+};
+
+// When the cameras expose, and what of it arrives. By default both at the same time, each image
+// at once.
+struct Timing {
+  double jitter_s = 0.0;          // standard deviation of an exposure from its regular time
+  double right_offset_s = 0.0;    // of the right camera's first exposure
+  double right_drift_ppm = 0.0;   // by which its frame interval is longer
+  double drop_probability = 0.0;  // of each image
+  double late_probability = 0.0;  // of each image
+  double late_s = 0.0;            // by which it then arrives late
+
+  // The right camera has a clock of its own.
+  [[nodiscard]] bool runs_free() const { return right_offset_s != 0.0 || right_drift_ppm != 0.0; }
+  // Images come as pairs of one instant, none missing.
+  [[nodiscard]] bool is_paired() const { return !runs_free() && drop_probability == 0.0; }
 };
 
 // Uneven floor: a function of the way, so that a resting rig rests. Peak values.
@@ -78,8 +97,10 @@ struct World {
   double duration_s = 10.0;
   double rate_hz = 30.0;
   std::uint32_t seed = 1;
-  StereoCamera camera;
+  StereoCamera camera;  // rectified; all truth is in its left one's frame
+  Optics optics;
   Realism realism;
+  Timing timing;
   Rig rig;
   Shell shell;
   std::vector<Poster> posters;
