@@ -29,7 +29,7 @@ void write_camera(const std::string& suffix, const RawCamera& raw, const StereoC
   write_matrix("R_rect_" + suffix, raw.R_rectified_raw, out);
   Eigen::Matrix<double, 3, 4> P;
   P << rectified.fx_px, 0, rectified.cx_px, -rectified.fx_px * baseline_m,  //
-      0, rectified.fy_px, rectified.cy_px, 0,                              //
+      0, rectified.fy_px, rectified.cy_px, 0,                               //
       0, 0, 1, 0;
   write_matrix("P_rect_" + suffix, P, out);
 }

@@ -78,6 +78,7 @@ void read_camera(TableReader& in, World& world) {
 
 void read_realism(TableReader& in, World& world) {
   Realism& r = world.realism;
+  r.softness_px = in.number("softness_px", r.softness_px, 0.0, 0.7);
   r.read_noise = in.number("read_noise", r.read_noise, 0.0, 50.0);
   r.shot_noise = in.number("shot_noise", r.shot_noise, 0.0, 5.0);
   r.vignetting = in.number("vignetting", r.vignetting, 0.0, 0.9);
@@ -98,7 +99,8 @@ void read_realism(TableReader& in, World& world) {
   for (const auto& [key, value] :
        {std::pair{"exposure_s", r.exposure_s}, std::pair{"readout_s", r.readout_s}}) {
     if (value > interval_s(world)) {
-      in.fail(key, fmt::format("is longer than the {:.4f} s between two images", interval_s(world)));
+      in.fail(key,
+              fmt::format("is longer than the {:.4f} s between two images", interval_s(world)));
     }
   }
 }
@@ -112,8 +114,8 @@ void read_timing(TableReader& in, World& world) {
   t.late_probability = in.number("late_probability", t.late_probability, 0.0, 1.0);
   t.late_s = in.number("late_s", t.late_s, 0.0, 10.0);
   if (t.jitter_s > kMaxJitter * interval_s(world)) {
-    in.fail("jitter_s", fmt::format("is more than {} of the {:.4f} s between two images", kMaxJitter,
-                                    interval_s(world)));
+    in.fail("jitter_s", fmt::format("is more than {} of the {:.4f} s between two images",
+                                    kMaxJitter, interval_s(world)));
   }
   if (std::abs(t.right_offset_s) > interval_s(world)) {
     in.fail("right_offset_s",

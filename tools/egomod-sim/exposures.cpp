@@ -35,7 +35,8 @@ Exposure exposure(const World& world, Eye eye, std::uint64_t number) {
   // One trigger for both cameras, unless each has a clock of its own.
   const Eye clock = timing.runs_free() ? eye : Eye::kLeft;
   double t_s = static_cast<double>(number) / world.rate_hz;
-  if (clock == Eye::kRight) t_s = t_s * (1.0 + 1e-6 * timing.right_drift_ppm) + timing.right_offset_s;
+  if (clock == Eye::kRight)
+    t_s = t_s * (1.0 + 1e-6 * timing.right_drift_ppm) + timing.right_offset_s;
   t_s += timing.jitter_s * chance(world, clock, number).jitter;
   if (clock == Eye::kLeft) t_s = std::max(0.0, t_s);
   const bool is_late = chance(world, eye, number).late < timing.late_probability;

@@ -100,7 +100,11 @@ void ImageFormation::see_through_lens(const RawCamera& camera) {
   const double focal_px = std::min(kFinest * f, 1.0 / finest_step(directions, width_px_));
   const Eigen::Array2d size = ((high - low) * focal_px).ceil() + 2.0 * kMargin_px;
   const Eigen::Array2d centre = kMargin_px - low * focal_px;
-  pinhole_ = {focal_px,   focal_px,  centre.x(), centre.y(), static_cast<int>(size.x()),
+  pinhole_ = {focal_px,
+              focal_px,
+              centre.x(),
+              centre.y(),
+              static_cast<int>(size.x()),
               static_cast<int>(size.y())};
   for (const Eigen::Vector2d& direction : directions) {
     places_.emplace_back(direction.array() * focal_px + centre);

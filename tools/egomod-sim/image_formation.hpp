@@ -41,8 +41,8 @@ class ImageFormation {
 
  private:
   struct Source {
-    std::int32_t offset = 0;    // byte of the upper left of the sixteen pixels
-    std::uint8_t u_phase = 0;   // of the place between the middle four, 1/256 pixel
+    std::int32_t offset = 0;   // byte of the upper left of the sixteen pixels
+    std::uint8_t u_phase = 0;  // of the place between the middle four, 1/256 pixel
     std::uint8_t v_phase = 0;
   };
   void see_through_lens(const RawCamera& camera);

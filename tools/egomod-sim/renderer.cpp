@@ -34,6 +34,27 @@ flat in float light;
 uniform sampler2D surface;
 layout(location = 0) out float grey;
 void main() { grey = texture(surface, st).r * light; })";
+// The footprint of a pixel on a surface seen flat is long and narrow: four probes along it instead
+// of one that blurs it to its length. (The anisotropic filter of llvmpipe takes seconds.)
+constexpr const char* kShadeFlat = R"(#version 330 core
+in vec2 st;
+flat in float light;
+uniform sampler2D surface;
+layout(location = 0) out float grey;
+void main() {
+  vec2 size = vec2(textureSize(surface, 0));
+  vec2 x = dFdx(st) * size;
+  vec2 y = dFdy(st) * size;
+  float x2 = dot(x, x);
+  float y2 = dot(y, y);
+  vec2 along = (x2 > y2 ? x : y) / size;
+  float lod = 0.5 * log2(max(max(x2, y2) / 16.0, min(x2, y2)));
+  float sum = textureLod(surface, st - 0.375 * along, lod).r;
+  sum += textureLod(surface, st - 0.125 * along, lod).r;
+  sum += textureLod(surface, st + 0.125 * along, lod).r;
+  sum += textureLod(surface, st + 0.375 * along, lod).r;
+  grey = 0.25 * sum * light;
+})";
 // 1 / gl_FragCoord.w is the clip coordinate w, which is the depth.
 constexpr const char* kIdentify = R"(#version 330 core
 uniform uint id;
@@ -69,32 +90,26 @@ Eigen::Matrix4d projection(const Pinhole& c) {
   return P;
 }
 
-// Rows of the view in clip coordinates: a point of it has low * w <= y <= high * w.
-struct RowLimits {
-  float low;
-  float high;
-};
-
-RowLimits row_limits(const Pinhole& camera, const View& view) {
+Placement rows_of(const Pinhole& camera, const View& view) {
   const auto limit = [&](int row) {
     return static_cast<float>(2.0 * row / camera.height_px - 1.0);
   };
-  return {limit(view.first_row), limit(view.end_row)};
+  return {Eigen::Matrix4f::Identity(), limit(view.first_row), limit(view.end_row)};
 }
 
 // Whether all corners lie beyond the same border of the view.
-bool is_outside(const Patch& patch, const Eigen::Matrix4f& M, const RowLimits& rows) {
+bool is_outside(const Patch& patch, const Placement& placement) {
   const Eigen::Vector3f corner = patch.corner_m.cast<float>();
   const Eigen::Vector3f s = patch.edge_s_m.cast<float>();
   const Eigen::Vector3f t = patch.edge_t_m.cast<float>();
   unsigned beyond = 0b11111;
-  for (const Eigen::Vector3f& P :
-       {corner, Eigen::Vector3f(corner + s), Eigen::Vector3f(corner + t),
-        Eigen::Vector3f(corner + s + t)}) {
-    const Eigen::Vector4f c = M * P.homogeneous();
+  for (const Eigen::Vector3f& P : {corner, Eigen::Vector3f(corner + s), Eigen::Vector3f(corner + t),
+                                   Eigen::Vector3f(corner + s + t)}) {
+    const Eigen::Vector4f c = placement.T_clip_body * P.homogeneous();
     const float w = c.w();
-    beyond &= (c.x() < -w ? 1U : 0U) | (c.x() > w ? 2U : 0U) | (c.y() < rows.low * w ? 4U : 0U) |
-              (c.y() > rows.high * w ? 8U : 0U) | (c.z() < -w ? 16U : 0U);
+    beyond &= (c.x() < -w ? 1U : 0U) | (c.x() > w ? 2U : 0U) |
+              (c.y() < placement.low * w ? 4U : 0U) | (c.y() > placement.high * w ? 8U : 0U) |
+              (c.z() < -w ? 16U : 0U);
     if (beyond == 0) return false;
   }
   return true;
@@ -108,8 +123,8 @@ Pinhole pinhole_of(const StereoCamera& c) {
 
 Renderer::Renderer(const test_support::Scene& scene, const StereoCamera& truth)
     : gl_(context_.gl()), scene_(scene), truth_(pinhole_of(truth)) {
-  shade_ = compile(kShade);
-  identify_ = compile(kIdentify);
+  shade_ = {compile(kShade, Surfaces::kUpright), compile(kShadeFlat, Surfaces::kSeenFlat)};
+  identify_ = compile(kIdentify, Surfaces::kAll);
   buffers_ = target(truth.width_px, truth.height_px, 0, {GL_R8UI, GL_R32F}, true);
   gl_.PixelStorei(GL_PACK_ALIGNMENT, 1);
   gl_.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
@@ -124,7 +139,7 @@ void Renderer::check(const char* what) const {
   if (error != GL_NO_ERROR) throw GlError(fmt::format("OpenGL error {:#x} in {}", error, what));
 }
 
-Renderer::Program Renderer::compile(const char* fragment) const {
+Renderer::Program Renderer::compile(const char* fragment, Surfaces surfaces) const {
   const GLuint program = gl_.CreateProgram();
   for (const auto& [kind, source] :
        {std::pair{GL_VERTEX_SHADER, kVertexShader}, std::pair{GL_FRAGMENT_SHADER, fragment}}) {
@@ -141,8 +156,8 @@ Renderer::Program Renderer::compile(const char* fragment) const {
     gl_.GetProgramInfoLog(program, static_cast<GLsizei>(log.size()), nullptr, log.data());
     throw GlError(fmt::format("the driver refuses a shader: {}", log.data()));
   }
-  return {program, gl_.GetUniformLocation(program, "matrix"),
-          gl_.GetUniformLocation(program, "id")};
+  return {program, gl_.GetUniformLocation(program, "matrix"), gl_.GetUniformLocation(program, "id"),
+          surfaces};
 }
 
 GLuint Renderer::target(int width_px, int height_px, int samples,
@@ -214,30 +229,35 @@ void Renderer::upload_patches() {
   gl_.EnableVertexAttribArray(1);
 }
 
-void Renderer::draw_view(const Program& program, const Pinhole& camera, const View& view,
-                         int only_id) const {
+void Renderer::draw_body(const Program& program, const Body& body, GLint first,
+                         const Placement& placement) const {
   gl_.UseProgram(program.name);
+  gl_.UniformMatrix4fv(program.matrix, 1, GL_FALSE, placement.T_clip_body.data());
+  if (program.id >= 0) gl_.Uniform1ui(program.id, static_cast<GLuint>(body.id));
+  for (const Patch& patch : body.patches) {
+    const bool is_wanted = program.surfaces == Surfaces::kAll ||
+                           patch.is_seen_flat == (program.surfaces == Surfaces::kSeenFlat);
+    if (is_wanted && !is_outside(patch, placement)) {
+      gl_.BindTexture(GL_TEXTURE_2D, textures_[patch.texture]);
+      gl_.DrawArrays(GL_TRIANGLES, first, kVerticesPerPatch);
+    }
+    first += kVerticesPerPatch;
+  }
+}
+
+void Renderer::draw_view(std::span<const Program> programs, const Pinhole& camera, const View& view,
+                         int only_id) const {
   gl_.Viewport(0, view.canvas_row - view.first_row, camera.width_px, camera.height_px);
   gl_.Scissor(0, view.canvas_row, camera.width_px, view.end_row - view.first_row);
   const Eigen::Matrix4d P = projection(camera) * view.T_camera_world.matrix();
-  const RowLimits rows = row_limits(camera, view);
+  Placement placement = rows_of(camera, view);
   GLint first = 0;
   for (const Body& body : scene_.bodies) {
-    const auto patches = static_cast<GLint>(body.patches.size());
-    if (only_id != kAll && body.id != only_id) {
-      first += patches * kVerticesPerPatch;
-      continue;
+    if (only_id == kAll || body.id == only_id) {
+      placement.T_clip_body = (P * body.T_world_body(view.t_s).matrix()).cast<float>();
+      for (const Program& program : programs) draw_body(program, body, first, placement);
     }
-    const Eigen::Matrix4f M = (P * body.T_world_body(view.t_s).matrix()).cast<float>();
-    gl_.UniformMatrix4fv(program.matrix, 1, GL_FALSE, M.data());
-    if (program.id >= 0) gl_.Uniform1ui(program.id, static_cast<GLuint>(body.id));
-    for (const Patch& patch : body.patches) {
-      if (!is_outside(patch, M, rows)) {
-        gl_.BindTexture(GL_TEXTURE_2D, textures_[patch.texture]);
-        gl_.DrawArrays(GL_TRIANGLES, first, kVerticesPerPatch);
-      }
-      first += kVerticesPerPatch;
-    }
+    first += static_cast<GLint>(body.patches.size()) * kVerticesPerPatch;
   }
 }
 
@@ -283,7 +303,7 @@ void Renderer::render_buffers(double t_s, const Eigen::Isometry3d& T_camera_worl
   gl_.ClearBufferuiv(GL_COLOR, 0, nothing.data());
   gl_.ClearBufferfv(GL_COLOR, 1, nowhere.data());
   clear_depth();
-  draw_view(identify_, truth_, {t_s, T_camera_world, 0, height, 0}, only_id);
+  draw_view({&identify_, 1}, truth_, {t_s, T_camera_world, 0, height, 0}, only_id);
   const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   out.ids.resize(pixels);
   out.depth_m.resize(pixels);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -33,13 +34,21 @@ struct View {
   int canvas_row = 0;
 };
 
+// Where a body is drawn, and the rows of the view in clip coordinates: low * w <= y <= high * w.
+struct Placement {
+  Eigen::Matrix4f T_clip_body = Eigen::Matrix4f::Identity();
+  float low = -1.0F;
+  float high = 1.0F;
+};
+
 // What a camera sees, pixel by pixel (row-major, at pixel centres).
 struct Buffers {
   std::vector<float> depth_m;     // 0 where nothing is hit
   std::vector<std::uint8_t> ids;  // of bodies; 0 for scenery and nothing
 };
 
-// Renders a scene through OpenGL: four samples a pixel, trilinear mipmaps. The same scene, time and
+// Renders a scene through OpenGL: four samples a pixel, trilinear mipmaps, longer filters where
+// surfaces are seen flat. The same scene, time and
 // machine give the same bytes. Threads: all calls from the one that made it.
 class Renderer {
  public:
@@ -65,18 +74,22 @@ class Renderer {
   [[nodiscard]] std::string device() const { return context_.renderer(); }
 
  private:
+  enum class Surfaces { kAll, kUpright, kSeenFlat };
   struct Program {
     GLuint name = 0;
     GLint matrix = -1;
     GLint id = -1;
+    Surfaces surfaces = Surfaces::kAll;  // that it draws
   };
-  [[nodiscard]] Program compile(const char* fragment) const;
+  [[nodiscard]] Program compile(const char* fragment, Surfaces surfaces) const;
   [[nodiscard]] GLuint target(int width_px, int height_px, int samples,
                               const std::vector<GLenum>& colours, bool depth) const;
   void upload_textures();
   void upload_patches();
   void clear_depth() const;
-  void draw_view(const Program& program, const Pinhole& camera, const View& view,
+  void draw_body(const Program& program, const test_support::Body& body, GLint first,
+                 const Placement& placement) const;
+  void draw_view(std::span<const Program> programs, const Pinhole& camera, const View& view,
                  int only_id) const;
   void check(const char* what) const;
 
@@ -84,7 +97,7 @@ class Renderer {
   const Gl& gl_;
   const test_support::Scene& scene_;
   Pinhole truth_;
-  Program shade_;
+  std::array<Program, 2> shade_;
   Program identify_;
   GLuint buffers_ = 0;
   std::vector<GLuint> textures_;

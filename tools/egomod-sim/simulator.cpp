@@ -93,8 +93,8 @@ void Simulator::take(std::span<const Shot> shots) {
     }
   }
   for (const auto& [camera, number, out] : shots) {
-    sensor_.expose(static_cast<int>(camera.eye), number,
-                   exposure(world_, camera.eye, number).t_s, out);
+    sensor_.expose(static_cast<int>(camera.eye), number, exposure(world_, camera.eye, number).t_s,
+                   out);
   }
 }
 

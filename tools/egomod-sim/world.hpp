@@ -12,9 +12,10 @@
 
 namespace egomod::sim {
 
-// What separates a photograph from a rendering. Grey levels of 255; defaults resemble the colour
-// camera of a Kinect v1 indoors.
+// What separates a photograph from a rendering. Grey levels of 255; noise and exposure resemble by
+// default the colour camera of a Kinect v1 indoors, while the lens is sharp and the shutter global.
 struct Realism {
+  double softness_px = 0.0;  // standard deviation of a point's picture: lens, colour filter
   double read_noise = 1.0;   // standard deviation in the dark
   double shot_noise = 0.13;  // times the root of the grey value, in quadrature
   double vignetting = 0.12;  // share of the light that the corners lose

@@ -156,8 +156,7 @@ void read_poster(TableReader& in, World& world) {
   poster.wall = static_cast<Wall>(in.choice("wall", {"left", "right", "front", "back"}, {}));
   poster.along_m = in.number("along_m", std::nullopt, -kFar_m, kFar_m);
   poster.height_m = in.number("height_m", poster.height_m, 0.0, kFar_m);
-  const auto size =
-      in.numbers("size_m", 2, 0.05, 20.0, {poster.size_m.x(), poster.size_m.y()});
+  const auto size = in.numbers("size_m", 2, 0.05, 20.0, {poster.size_m.x(), poster.size_m.y()});
   poster.size_m = {size[0], size[1]};
   const Eigen::Vector2d half = 0.5 * poster.size_m;
   const bool side = poster.wall == Wall::kLeft || poster.wall == Wall::kRight;

@@ -10,8 +10,8 @@
 
 namespace egomod::sim {
 
-// Throws WorldError: "file:line: key: what is wrong". `catalogue` gets the keys that such a file may
-// have.
+// Throws WorldError: "file:line: key: what is wrong". `catalogue` gets the keys that such a file
+// may have.
 [[nodiscard]] World read_world(const std::filesystem::path& file,
                                KeyCatalogue* catalogue = nullptr);
 // A path, if it has a slash or ends in .toml; else a world in `folder`.
