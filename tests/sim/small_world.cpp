@@ -17,9 +17,10 @@ constexpr const char* kCamera =
 constexpr const char* kRoom = R"(
 [shell]
 kind = "room"
-width_m = 3.0
-length_m = 4.0
-height_m = 2.0
+width_m = 2.4
+length_m = 3.0
+height_m = 1.5
+rear_m = 0.3
 [rig]
 motion = { kind = "arc", position_m = [0.0, 0.0], speed_mps = 0.3, turn_degps = 10.0 }
 [[object]]
@@ -30,7 +31,7 @@ kind = "box"
 size_m = [0.4, 0.5, 0.2]
 motion = { kind = "spin", position_m = [0.6, 2.4], turn_degps = 60.0 }
 [[furniture]]
-position_m = [-1.1, 2.5]
+position_m = [-0.9, 2.4]
 size_m = [0.4, 0.8, 0.4]
 )";
 constexpr const char* kUnreal = R"(

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "capture/rectifier.hpp"
+#include "egomod/core/geometry.hpp"
 #include "image_formation.hpp"
 #include "optics.hpp"
 #include "spot_panel.hpp"
@@ -104,6 +106,40 @@ TEST(Subpixel, SpotsAreWhereGeometryPutsThem) { expect_subpixel(camera({}), {}, 
 TEST(Subpixel, SpotsSeenThroughALensAreWhereItBendsThem) {
   expect_subpixel(camera({-0.21, 0.06, 0.002, -0.0015, 0.0}), {}, kSubpixel_px);
   expect_subpixel(camera({0.18, -0.05, -0.001, 0.002, 0.01}), {}, kSubpixel_px);
+}
+
+// The two lens models know nothing of each other.
+TEST(Subpixel, SpotsRectifiedByTheDaemonAreWhereAnIdealCameraSeesThem) {
+  RawCamera raw = camera({-0.21, 0.06, 0.002, -0.0015, 0.0});
+  raw.R_rectified_raw =
+      (Eigen::AngleAxisd(0.02, Vector3d::UnitY()) * Eigen::AngleAxisd(-0.015, Vector3d::UnitX()) *
+       Eigen::AngleAxisd(0.03, Vector3d::UnitZ()))
+          .toRotationMatrix();
+  const StereoCamera ideal{.fx_px = 300.0,
+                           .fy_px = 300.0,
+                           .cx_px = 159.5,
+                           .cy_px = 119.5,
+                           .baseline_m = 0.3,
+                           .width_px = 320,
+                           .height_px = 240};
+  test::ReferenceCamera reference;
+  const Isometry3d T_world_rectified =
+      T_world_camera(0.0) * Isometry3d(raw.R_rectified_raw.transpose());
+  reference.centre_m = T_world_rectified.translation();
+  reference.ray = [&](const Vector2d& p) {
+    return Vector3d(T_world_rectified.linear() * Vector3d((p.x() - ideal.cx_px) / ideal.fx_px,
+                                                          (p.y() - ideal.cy_px) / ideal.fy_px, 1));
+  };
+  reference.pixel = [&](const Vector3d& P_world_m) {
+    return Vector2d(project(ideal, T_world_rectified.inverse() * P_world_m).head<2>());
+  };
+  const SpotPanel panel(1.9, 0.4, 0.2);
+  Image rectified;
+  Rectifier(raw, ideal).apply(render(panel, raw, {}), rectified);
+  const auto errors = test::summary_of(centroid_errors(rectified, panel, reference));
+  EXPECT_GT(errors.count, 25U);
+  EXPECT_LT(errors.largest_px, kSubpixel_px);
+  EXPECT_LT(errors.mean_px.norm(), kUnbiased_px);
 }
 
 TEST(Subpixel, ARollingShutterMovesSpotsByWhatTheCameraTurned) {
