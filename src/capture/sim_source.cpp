@@ -186,7 +186,9 @@ class SimSource final : public FrameSource {
     pair.discontinuity = decision.discontinuity;
     pair.arrival = left.arrival;
     enclose_truth(left, pair);
-    lost_ += decision.lost;
+    // The gap of what the simulator left out on purpose is none of the cameras'.
+    dropped_ += left.shot.left_out;
+    lost_ += decision.lost - std::min(decision.lost, left.shot.left_out);
     const bool is_due = rate_.is_due(pair.exposure);
     if (!decision.is_accepted) {
       pair.status = PairStatus::kRejected;

@@ -30,6 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 
 const std::string kUrl = "udpm://239.255.76.67:7667?ttl=0";
@@ -98,7 +99,7 @@ std::vector<truth_pose_t> true_poses(const fs::path& record) {
 }
 
 void expect_same(const eval::Truth& files, const eval::Truth& record) {
-  constexpr double kPrinted = 2e-6;  // the last digit of the files
+  constexpr double kPrinted = 2e-5;  // the last digit of the files
   ASSERT_EQ(files.times_s.size(), record.times_s.size());
   for (std::size_t i = 0; i < files.times_s.size(); ++i) {
     EXPECT_NEAR(files.times_s[i], record.times_s[i], kPrinted);
@@ -214,7 +215,7 @@ TEST_F(DaemonOnWorld, KeepsTheWallClockAndCountsWhatItLeavesOut) {
   const Outcome outcome = run("sim:" + file, {"--realtime"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_GT(std::chrono::steady_clock::now() - begin, 0.99s);
-  EXPECT_THAT(outcome.output, HasSubstr("images lost"));
+  EXPECT_THAT(outcome.output, ContainsRegex("source: 0 images lost, [1-9][0-9]* dropped"));
   EXPECT_THAT(outcome.output, HasSubstr("0 failed"));
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/ostream.h>
 #include <png.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <atomic>
 #include <exception>
@@ -55,7 +56,9 @@ void write_object(int frame, double t_s, std::string_view kind, const ObjectTrut
   fmt::print(out, "{},{:.6f},{},{}", frame, t_s, o.id, kind);
   write_vector(o.surface_centroid_m, out);
   write_vector(o.box_centre_m, out);
-  write_vector(o.velocity_mps, out);
+  // Readers carry it from the centre to where they need it, by the angular velocity.
+  const Eigen::Vector3d lever_m = o.box_centre_m - o.surface_centroid_m;
+  write_vector(o.velocity_mps + o.angular_velocity_radps.cross(lever_m), out);
   write_vector(o.angular_velocity_radps, out);
   fmt::print(out, ",{},{},{},{},{},{:.4f},{}\n", o.u_min_px, o.v_min_px, o.u_max_px, o.v_max_px,
              o.visible_px, o.occluded_fraction, o.moving ? 1 : 0);

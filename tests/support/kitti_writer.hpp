@@ -18,7 +18,9 @@ void write_png(const std::filesystem::path& file, const ImageView& image);
 void write_png16(const std::filesystem::path& file, std::span<const std::uint16_t> pixels,
                  int width_px, int height_px);
 
-// The files of such a folder, piece by piece. Objects that show no pixel get no row.
+// The files of such a folder, piece by piece. Objects that show no pixel get no row; (VX, VY, VZ)
+// is the velocity of the box's centre (bx, by, bz), (cx, cy, cz) the centroid of the visible
+// surface.
 inline constexpr const char* kObjectsHeader =
     "frame,time,object_id,class,cx,cy,cz,bx,by,bz,VX,VY,VZ,wx,wy,wz,"
     "u_min,v_min,u_max,v_max,visible_px,occlusion_fraction,moving\n";

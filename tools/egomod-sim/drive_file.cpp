@@ -3,13 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include "camera_tables.hpp"
 
 namespace egomod::sim {
 namespace {
 
 constexpr double kFar_m = 1000.0;
-constexpr double kRadPerDeg = M_PI / 180.0;
 
 double degrees(TableReader& in, const std::string& key, double fallback_rad, double max_deg) {
   return in.number(key, fallback_rad / kRadPerDeg, 0.0, max_deg) * kRadPerDeg;

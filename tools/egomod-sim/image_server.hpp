@@ -41,9 +41,10 @@ class ImageServer {
     std::span<const std::uint8_t> pose;
     std::span<const std::uint8_t> objects;
   };
-  // False: no slot is free, the image is lost. `truth` goes with left images.
+  // False: no slot is free, the image cannot go. Truth and how many were left out before it go with
+  // left images.
   bool send(sim_protocol::Eye eye, std::int64_t exposure_us, const Image& image,
-            const Truth& truth = {});
+            const Truth& truth = {}, std::uint64_t left_out = 0);
   void send(sim_protocol::Kind kind);
 
  private:

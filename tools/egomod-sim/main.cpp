@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <cstdio>
 #include <exception>
 #include <optional>
 #include <string>
 
-#include "folder_writer.hpp"
-#include "log_writer.hpp"
+#include "recorder.hpp"
 #include "serve.hpp"
-#include "simulator.hpp"
 #include "world_file.hpp"
 
 namespace egomod::sim {
@@ -40,29 +39,11 @@ void record(const Arguments& arguments) {
   Simulator simulator(chosen_world(arguments));
   const World& world = simulator.world();
   if (world.is_endless()) throw WorldError(world.name + ": is endless; give --duration SECONDS");
-  std::optional<FolderWriter> folder;
-  std::optional<LogWriter> log;
-  if (!arguments.folder.empty()) folder.emplace(arguments.folder, world.camera, arguments.options);
-  if (!arguments.log.empty()) log.emplace(arguments.log, world.camera);
-  const auto pairs = static_cast<std::uint64_t>(world.pairs());
-  const auto begin = std::chrono::steady_clock::now();
-  Image left;
-  Image right;
-  Truth truth;
-  for (std::uint64_t pair = 0; pair < pairs; ++pair) {
-    simulator.take_pair(pair, left, right);
-    if (log) log->write(simulator.time_s(pair), left, right);
-    if (folder) {
-      simulator.take_truth(pair, truth);
-      folder->write(pair, simulator.time_s(pair), left, right, truth);
-    }
-  }
-  if (folder) folder->finish();
-  if (log) log->finish();
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
-  std::printf("%s: %llu pairs of %dx%d, %.1f pairs/s, on %s\n", world.name.c_str(),
-              static_cast<unsigned long long>(pairs), world.camera.width_px, world.camera.height_px,
-              static_cast<double>(pairs) / took.count(), simulator.device().c_str());
+  const RecordingSummary done =
+      record(simulator, {arguments.folder, arguments.log, arguments.options});
+  fmt::print("{}: {} left and {} right images of {}x{}, {:.1f} pairs/s, on {}\n", world.name,
+             done.left_images, done.right_images, world.camera.width_px, world.camera.height_px,
+             done.left_images / done.took_s, simulator.device());
 }
 
 void run(const Arguments& arguments) {

@@ -15,6 +15,7 @@ struct SceneObject {
   int id = 0;
   std::string kind;
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  // of its box, in its own frame
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();    // of that box
   Trajectory T_world_object;
 };
 

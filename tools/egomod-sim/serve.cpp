@@ -3,14 +3,13 @@
 
 #include <sys/prctl.h>
 
-#include <algorithm>
 #include <cmath>
 #include <csignal>
-#include <limits>
 #include <optional>
 #include <vector>
 
 #include "base_link.hpp"
+#include "deliveries.hpp"
 #include "egomod/publish/encoded_message.hpp"
 #include "image_server.hpp"
 #include "truth_messages.hpp"
@@ -18,96 +17,114 @@
 namespace egomod::sim {
 namespace {
 
-using sim_protocol::Eye;
-using sim_protocol::Kind;
+namespace protocol = sim_protocol;
 
-std::uint64_t pairs_of(const World& world) {
-  return world.is_endless() ? std::numeric_limits<std::uint64_t>::max()
-                            : static_cast<std::uint64_t>(world.pairs());
-}
+// Simulated time, as in times.txt of a rendered folder.
+std::int64_t utime_us(const Exposure& exposure) { return std::llround(1e6 * exposure.t_s); }
 
 class Session {
  public:
   Session(Simulator& simulator, const ServeOptions& options)
       : simulator_(simulator),
         realtime_(options.realtime),
-        server_(options.socket, simulator.calibration(),
-                simulator.world().is_endless() ? 0 : pairs_of(simulator.world())) {
+        calibration_(simulator.calibration()),
+        server_(options.socket, calibration_, pairs_of(simulator.world())),
+        deliveries_(simulator.world()) {
     if (simulator.base() != nullptr) link_.emplace(options.lcm_url, *simulator.base());
   }
 
   void run() {
-    const std::uint64_t pairs = pairs_of(simulator_.world());
-    for (std::uint64_t pair = 0; pair < pairs; pair = following(pair)) {
-      if (!wait_for(pair)) return;
-      drive(pair);
-      show(pair);
-      if (!realtime_) server_.send(Kind::kAnswered);
+    while (const auto delivery = deliveries_.next()) {
+      if (is_out_of_date(*delivery)) {
+        left_out_ += delivery->eye == Eye::kLeft ? 1 : 0;
+        continue;
+      }
+      if (!wait_for(*delivery)) return;
+      drive(delivery->exposure.t_s);
+      show(*delivery);
+      if (!realtime_) server_.send(protocol::Kind::kAnswered);
     }
-    server_.send(Kind::kEnd);
+    server_.send(protocol::Kind::kEnd);
   }
 
  private:
   using Clock = ImageServer::Clock;
 
+  static std::uint64_t pairs_of(const World& world) {
+    return world.is_endless() ? 0 : static_cast<std::uint64_t>(world.pairs());
+  }
+
+  [[nodiscard]] Clock::time_point due(double t_s) const {
+    return *begin_ +
+           std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(t_s));
+  }
+
+  // By the wall clock, when the camera's next image has arrived meanwhile.
+  [[nodiscard]] bool is_out_of_date(const Delivery& delivery) const {
+    const double next_s = delivery.arrival_s() + 1.0 / simulator_.world().rate_hz;
+    return realtime_ && begin_ && Clock::now() >= due(next_s);
+  }
+
   // False: there is nobody to go on for.
-  bool wait_for(std::uint64_t pair) {
+  bool wait_for(const Delivery& delivery) {
     if (!realtime_ || !begin_) {
       if (server_.wait(std::nullopt) == ImageServer::Wish::kGone) return false;
       begin_ = begin_.value_or(Clock::now());
       return true;
     }
-    const auto due = *begin_ + std::chrono::duration_cast<Clock::duration>(
-                                   std::chrono::duration<double>(simulator_.time_s(pair)));
     for (;;) {
-      const auto wish = server_.wait(due);
+      const auto wish = server_.wait(due(delivery.arrival_s()));
       if (wish == ImageServer::Wish::kNothing) return true;
       if (wish == ImageServer::Wish::kGone) return false;
     }
   }
 
-  // By the wall clock the newest that is due, if there are several.
-  [[nodiscard]] std::uint64_t following(std::uint64_t pair) const {
-    if (!realtime_) return pair + 1;
-    const double passed_s = std::chrono::duration<double>(Clock::now() - *begin_).count();
-    const auto due = static_cast<std::uint64_t>(passed_s * simulator_.world().rate_hz);
-    return std::max(pair + 1, due);
-  }
-
-  // Commands that have come until now act from the pair's time on.
-  void drive(std::uint64_t pair) {
+  // Commands that have come until now act from the exposure's time on.
+  void drive(double t_s) {
     if (!link_) return;
-    const double now_s = simulator_.time_s(pair);
-    simulator_.base()->advance(now_s);
-    link_->publish_odometry(now_s);
+    simulator_.base()->advance(t_s);
+    link_->publish_odometry(t_s);
     link_->take_commands();
   }
 
-  void show(std::uint64_t pair) {
-    const double t_s = simulator_.time_s(pair);
-    const std::int64_t utime_us = std::llround(1e6 * t_s);
-    simulator_.take_pair(pair, left_, right_);
-    simulator_.take_truth(pair, truth_);
-    if (server_.send(Eye::kLeft, utime_us, left_, truth_at(t_s, utime_us))) ++sequence_;
-    server_.send(Eye::kRight, utime_us, right_);
+  void show(const Delivery& delivery) {
+    const Exposure& exposure = delivery.exposure;
+    if (delivery.is_pair) {
+      simulator_.take_pair(exposure.number, left_, right_);
+    } else {
+      simulator_.take_image(delivery.eye, exposure.number,
+                            delivery.eye == Eye::kLeft ? left_ : right_);
+    }
+    if (delivery.eye == Eye::kLeft) send_left(exposure);
+    if (delivery.eye == Eye::kRight || delivery.is_pair) {
+      server_.send(protocol::Eye::kRight, utime_us(exposure), right_);
+    }
   }
 
-  ImageServer::Truth truth_at(double t_s, std::int64_t utime_us) {
-    fill_message(simulator_, t_s, truth_, pose_);
-    fill_message(simulator_, t_s, truth_, objects_);
-    pose_.utime = utime_us;
-    objects_.utime = utime_us;
-    pose_.sequence = sequence_;
-    objects_.sequence = sequence_;
-    return {encode_message(pose_, pose_bytes_), encode_message(objects_, objects_bytes_)};
+  void send_left(const Exposure& exposure) {
+    simulator_.take_truth(exposure.number, truth_);
+    const Eigen::Isometry3d& T_body_camera = calibration_.T_body_camera;
+    fill_message(truth_, T_body_camera, utime_us(exposure), sequence_, pose_);
+    fill_message(truth_, T_body_camera, utime_us(exposure), sequence_, objects_);
+    const ImageServer::Truth truth{encode_message(pose_, pose_bytes_),
+                                   encode_message(objects_, objects_bytes_)};
+    if (!server_.send(protocol::Eye::kLeft, utime_us(exposure), left_, truth, left_out_)) {
+      ++left_out_;
+      return;
+    }
+    left_out_ = 0;
+    ++sequence_;
   }
 
   Simulator& simulator_;
   const bool realtime_;
+  const Calibration calibration_;
   ImageServer server_;
+  Deliveries deliveries_;
   std::optional<BaseLink> link_;
   std::optional<Clock::time_point> begin_;
   std::int64_t sequence_ = 0;  // of left images that the daemon has got
+  std::uint64_t left_out_ = 0;
   Image left_;
   Image right_;
   Truth truth_;

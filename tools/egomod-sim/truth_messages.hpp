@@ -9,11 +9,15 @@
 
 namespace egomod::sim {
 
-// What `truth` says of the instant t_s, as SIM_TRUTH_POSE and SIM_TRUTH_OBJECTS carry it. Each
-// refills `message`, so that its memory is used again; utime and sequence are the caller's.
-void fill_message(const Simulator& simulator, double t_s, const Truth& truth,
-                  truth_pose_t& message);
-void fill_message(const Simulator& simulator, double t_s, const Truth& truth,
-                  truth_object_list_t& message);
+inline constexpr const char* kTruthPoseChannel = "SIM_TRUTH_POSE";
+inline constexpr const char* kTruthObjectsChannel = "SIM_TRUTH_OBJECTS";
+
+// Truth of left image `sequence`, from left camera axes to body and world frame. Each refills
+// `message`. Objects that are hidden are in the list with the centre of their box as position, no
+// visible pixel, and a rectangle that holds none (its minimum lies beyond its maximum).
+void fill_message(const Truth& truth, const Eigen::Isometry3d& T_body_camera, std::int64_t utime,
+                  std::int64_t sequence, truth_pose_t& message);
+void fill_message(const Truth& truth, const Eigen::Isometry3d& T_body_camera, std::int64_t utime,
+                  std::int64_t sequence, truth_object_list_t& message);
 
 }  // namespace egomod::sim

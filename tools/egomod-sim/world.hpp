@@ -10,12 +10,14 @@
 #include "driven_base.hpp"
 #include "egomod/core/calibration.hpp"
 #include "motion.hpp"
+#include "optics.hpp"
 
 namespace egomod::sim {
 
-// What separates a photograph from a rendering. Grey levels of 255; defaults resemble the colour
-// camera of a Kinect v1 indoors.
+// What separates a photograph from a rendering. Grey levels of 255; noise and exposure resemble by
+// default the colour camera of a Kinect v1 indoors, while the lens is sharp and the shutter global.
 struct Realism {
+  double softness_px = 0.0;  // standard deviation of a point's picture: lens, colour filter
   double read_noise = 1.0;   // standard deviation in the dark
   double shot_noise = 0.13;  // times the root of the grey value, in quadrature
   double vignetting = 0.12;  // share of the light that the corners lose
@@ -24,6 +26,26 @@ struct Realism {
   double gain_drift_period_s = 8.0;
   double exposure_s = 0.0;  // motion blur
   int blur_samples = 1;     // renderings an exposure; 1: no blur
+  double readout_s = 0.0;   // of all rows by a rolling shutter; 0: all at once
+  int readout_strips = 60;  // rows of one strip are rendered at one instant
+};
+
+// When the cameras expose, and what of it arrives. By default both at the same time, each image
+// at once.
+struct Timing {
+  double jitter_s = 0.0;          // standard deviation of an exposure from its regular time
+  double right_offset_s = 0.0;    // of the right camera's first exposure
+  double right_drift_ppm = 0.0;   // by which its frame interval is longer
+  double drop_probability = 0.0;  // of each image
+  double late_probability = 0.0;  // of each image
+  double late_s = 0.0;            // by which it then arrives late
+
+  // The right camera has a clock of its own.
+  [[nodiscard]] bool runs_free() const { return right_offset_s != 0.0 || right_drift_ppm != 0.0; }
+  // Images come as pairs of one instant, none missing.
+  [[nodiscard]] bool is_paired() const { return !runs_free() && drop_probability == 0.0; }
+  // And arrive so: one message can hold both.
+  [[nodiscard]] bool comes_in_pairs() const { return is_paired() && late_probability == 0.0; }
 };
 
 // Uneven floor: a function of the way, so that a resting rig rests. Peak values.
@@ -81,8 +103,10 @@ struct World {
   double duration_s = 10.0;  // 0: endless
   double rate_hz = 30.0;
   std::uint32_t seed = 1;
-  StereoCamera camera;
+  StereoCamera camera;  // rectified; all truth is in its left one's frame
+  Optics optics;
   Realism realism;
+  Timing timing;
   Rig rig;
   Shell shell;
   std::vector<Poster> posters;

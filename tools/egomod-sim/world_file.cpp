@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "camera_tables.hpp"
 #include "drive_file.hpp"
 #include "materials.hpp"
 #include "table_reader.hpp"
@@ -17,40 +18,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kFar_m = 1000.0;
-constexpr double kRadPerDeg = M_PI / 180.0;
 constexpr double kCheck_s = 0.05;
 constexpr double kCheckedOfEndless_s = 3600.0;
 constexpr double kMaxSpeed_mps = 50.0;
-
-double degrees(TableReader& in, const std::string& key, double limit_deg) {
-  return in.number(key, 0.0, -limit_deg, limit_deg) * kRadPerDeg;
-}
-
-void read_camera(TableReader& in, World& world) {
-  StereoCamera& camera = world.camera;
-  camera.width_px = in.integer("width_px", 640, 64, 4096);
-  camera.height_px = in.integer("height_px", 480, 64, 4096);
-  camera.fx_px = in.number("focal_px", 525.0 * camera.width_px / 640.0, 10.0, 10000.0);
-  camera.fy_px = camera.fx_px;
-  camera.cx_px = in.number("cx_px", 0.5 * (camera.width_px - 1), 0.0, camera.width_px);
-  camera.cy_px = in.number("cy_px", 0.5 * (camera.height_px - 1), 0.0, camera.height_px);
-  camera.baseline_m = in.number("baseline_m", 0.375, 0.001, 10.0);
-  world.rate_hz = in.number("rate_hz", 30.0, 0.1, 1000.0);
-}
-
-void read_realism(TableReader& in, Realism& r) {
-  r.read_noise = in.number("read_noise", r.read_noise, 0.0, 50.0);
-  r.shot_noise = in.number("shot_noise", r.shot_noise, 0.0, 5.0);
-  r.vignetting = in.number("vignetting", r.vignetting, 0.0, 0.9);
-  r.right_gain = in.number("right_gain", r.right_gain, 0.2, 5.0);
-  r.gain_drift = in.number("gain_drift", r.gain_drift, 0.0, 0.5);
-  r.gain_drift_period_s = in.number("gain_drift_period_s", r.gain_drift_period_s, 0.1, 1e4);
-  r.exposure_s = in.number("exposure_s", r.exposure_s, 0.0, 1.0);
-  r.blur_samples = in.integer("blur_samples", r.blur_samples, 1, 64);
-  if (r.exposure_s > 0.0 && r.blur_samples == 1) {
-    in.fail("exposure_s", "blurs only with blur_samples of 2 or more");
-  }
-}
 
 void read_profile(TableReader& in, SpeedProfile& p) {
   p.acceleration_mps2 = in.number("acceleration_mps2", 0.0, -20.0, 20.0);
@@ -199,10 +169,8 @@ void read_poster(TableReader& in, World& world) {
   poster.wall = static_cast<Wall>(in.choice("wall", {"left", "right", "front", "back"}, {}));
   poster.along_m = in.number("along_m", std::nullopt, -kFar_m, kFar_m);
   poster.height_m = in.number("height_m", poster.height_m, 0.0, kFar_m);
-  if (in.has("size_m")) {
-    const auto size = in.numbers("size_m", 2, 0.05, 20.0);
-    poster.size_m = {size[0], size[1]};
-  }
+  const auto size = in.numbers("size_m", 2, 0.05, 20.0, {poster.size_m.x(), poster.size_m.y()});
+  poster.size_m = {size[0], size[1]};
   const Eigen::Vector2d half = 0.5 * poster.size_m;
   const bool side = poster.wall == Wall::kLeft || poster.wall == Wall::kRight;
   const double from = side ? -shell.rear_m : -0.5 * shell.width_m;
@@ -261,7 +229,9 @@ World read(TableReader& in) {
     if (!in.has(key)) in.fail(key, "is missing");
   }
   in.table("camera", [&](TableReader& table) { read_camera(table, world); });
-  in.table("realism", [&](TableReader& table) { read_realism(table, world.realism); });
+  in.table("realism", [&](TableReader& table) { read_realism(table, world); });
+  in.table("timing", [&](TableReader& table) { read_timing(table, world); });
+  in.table("calibration_error", [&](TableReader& table) { read_calibration_error(table, world); });
   in.table("shell", [&](TableReader& table) { read_shell(table, world.shell); });
   in.table("rig", [&](TableReader& table) { read_rig(table, world); });
   in.tables("poster", [&](TableReader& table) { read_poster(table, world); });
@@ -280,7 +250,7 @@ World read(TableReader& in) {
 
 }  // namespace
 
-World read_world(const fs::path& file) {
+World read_world(const fs::path& file, KeyCatalogue* catalogue) {
   if (!fs::is_regular_file(file)) throw WorldError(file.string() + ": there is no such file");
   toml::table table;
   try {
@@ -289,7 +259,7 @@ World read_world(const fs::path& file) {
     throw WorldError(
         fmt::format("{}:{}: {}", file.string(), error.source().begin.line, error.description()));
   }
-  TableReader reader(table, file.string(), "");
+  TableReader reader(table, file.string(), "", catalogue);
   World world = read(reader);
   world.name = file.stem();
   return world;
