@@ -163,7 +163,6 @@ class SimSource final : public FrameSource {
     arrived.truth_objects.assign(objects.begin(), objects.end());
     const LivePairing::Entry entry{std::chrono::microseconds(shot.exposure_us), shot.slot};
     const auto displaced = is_left ? pairing_.add_left(entry) : pairing_.add_right(entry);
-    dropped_ += displaced ? 1 : 0;
     free(displaced);
     while (const auto stale = pairing_.take_stale()) free(stale);
   }
@@ -180,15 +179,13 @@ class SimSource final : public FrameSource {
   void fill(StereoPair& pair, const LivePairing::Decision& decision) {
     const Arrived& left = arrived_[decision.left.slot];
     preparer_->begin(pair);
-    pair.sequence = sequence_++;
+    pair.sequence = left.shot.sequence;
     pair.exposure = decision.left.exposure;
     pair.right_exposure = decision.right ? decision.right->exposure : pair.exposure;
     pair.discontinuity = decision.discontinuity;
     pair.arrival = left.arrival;
     enclose_truth(left, pair);
-    // The gap of what the simulator left out on purpose is none of the cameras'.
-    dropped_ += left.shot.left_out;
-    lost_ += decision.lost - std::min(decision.lost, left.shot.left_out);
+    count_missing(left.shot.sequence, decision.lost);
     const bool is_due = rate_.is_due(pair.exposure);
     if (!decision.is_accepted) {
       pair.status = PairStatus::kRejected;
@@ -204,6 +201,16 @@ class SimSource final : public FrameSource {
     copy_image(view(right.shot), preparer_->right_target(pair));
     preparer_->finish(pair);
     rate_.keep(pair.exposure);
+  }
+
+  // A gap in the numbers is what had no time, or came too late; a gap in the exposures beyond that
+  // is what the camera never took.
+  void count_missing(std::uint64_t sequence, std::uint64_t gap) {
+    if (sequence < next_sequence_) SimLink::fail_as_garbage("images numbered backwards");
+    const std::uint64_t dropped = sequence - next_sequence_;
+    next_sequence_ = sequence + 1;
+    dropped_ += dropped;
+    lost_ += gap - std::min(gap, dropped);
   }
 
   [[nodiscard]] ImageView view(const protocol::Shot& shot) const {
@@ -244,7 +251,7 @@ class SimSource final : public FrameSource {
   std::uint32_t free_slots_ = 0;
   bool has_asked_ = false;
   bool has_ended_ = false;
-  std::uint64_t sequence_ = 0;
+  std::uint64_t next_sequence_ = 0;
   std::string error_;
   std::atomic<std::uint64_t> lost_{0};
   std::atomic<std::uint64_t> dropped_{0};

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Takes the place of egomod-sim in tests: needs no OpenGL, and misbehaves as its world is called.
 // A world "NAME@FILE" also writes its process number into the file.
-#include <fcntl.h>
-#include <sys/mman.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <egomod/calibration_t.hpp>
 #include <egomod/truth_object_list_t.hpp>
 #include <egomod/truth_pose_t.hpp>
 #include <fstream>
@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "egomod/publish/encoded_message.hpp"
+#include "egomod/publish/messages.hpp"
 #include "fake_simulator.hpp"
 #include "image_server.hpp"
 
@@ -51,24 +52,29 @@ class Camera {
     if (server_.wait(std::nullopt) == ImageServer::Wish::kGone) std::exit(0);
     const bool blinks = world == "blinks" && index == 2;
     const bool winks = world == "winks" && index == 2;
+    if (world == "hurries" && index == 2) skipped_ = 3;
+    if (world == "counts-backwards" && index == 2) skipped_ = -1;
     if (!blinks) left(index);
     if (!winks) right(index);
     server_.send(Kind::kAnswered);
   }
 
   void left(int index) {
-    pose_.utime = exposure_us(index);
-    pose_.sequence = index;
-    objects_.utime = exposure_us(index);
-    server_.send(Eye::kLeft, exposure_us(index), grey(index),
+    pose_.utime = exposure_us(index + std::max(0, skipped_));
+    pose_.sequence = taken_++ + skipped_;
+    objects_.utime = pose_.utime;
+    server_.send(Eye::kLeft, static_cast<std::uint64_t>(pose_.sequence), pose_.utime, grey(index),
                  {egomod::encode_message(pose_, pose_bytes_),
                   egomod::encode_message(objects_, objects_bytes_)});
   }
   void right(int index) {
-    server_.send(Eye::kRight, exposure_us(index) + kSkew_us, grey(100 + index));
+    server_.send(Eye::kRight, 0, exposure_us(index + std::max(0, skipped_)) + kSkew_us,
+                 grey(100 + index));
   }
 
  private:
+  int taken_ = 0;
+  int skipped_ = 0;
   ImageServer& server_;
   egomod::truth_pose_t pose_{};
   egomod::truth_object_list_t objects_{};
@@ -90,7 +96,7 @@ void misbehave(const std::string& world, ImageServer& server, Camera& camera) {
   }
   if (world == "unknown-kind") send_raw(static_cast<std::uint32_t>(77));
   if (world == "short-packet") send_raw(Shot{}, 12);
-  if (world == "other-size") server.send(Eye::kRight, 0, grey(1, kWidth_px + 1, kHeight_px));
+  if (world == "other-size") server.send(Eye::kRight, 0, 0, grey(1, kWidth_px + 1, kHeight_px));
   if (world == "wrong-slot") {
     send_raw(Shot{.eye = Eye::kRight,
                   .slot = 20,
@@ -98,7 +104,7 @@ void misbehave(const std::string& world, ImageServer& server, Camera& camera) {
                   .height_px = kHeight_px,
                   .stride_bytes = 64});
   }
-  if (world == "no-truth") server.send(Eye::kLeft, 0, grey(1));
+  if (world == "no-truth") server.send(Eye::kLeft, 0, 0, grey(1));
   if (world == "half-a-truth") {
     send_raw(Shot{.width_px = kWidth_px,
                   .height_px = kHeight_px,
@@ -118,7 +124,17 @@ void greet_badly(const std::string& world) {
     send_raw(egomod::sim_protocol::Hello{.version = 99});
     pause();
   }
-  if (world == "says-nothing") pause();
+  if (world == "shares-nothing") {
+    const egomod::sim_protocol::Hello hello{.slot_bytes = 4096};
+    egomod::calibration_t message{};
+    std::vector<std::uint8_t> packet(sizeof hello +
+                                     static_cast<std::size_t>(message.getEncodedSize()));
+    egomod::fill_message(calibration(), true, message);
+    std::memcpy(packet.data(), &hello, sizeof hello);
+    message.encode(packet.data(), sizeof hello, message.getEncodedSize());
+    if (send(egomod::sim_protocol::kSocket, packet.data(), packet.size(), 0) < 0) std::exit(1);
+    pause();
+  }
   if (world == "cannot-begin") {
     std::fprintf(stderr, "egomod-sim: nowhere: no such world\n");
     std::exit(1);

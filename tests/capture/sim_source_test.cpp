@@ -117,6 +117,18 @@ TEST(SimSource, CountsALeftImageThatNeverCame) {
   EXPECT_EQ(source->counters().lost_images, 1U);
 }
 
+TEST(SimSource, TellsWhatTheSimulatorHadNoTimeForFromWhatGotLost) {
+  const auto source = open("hurries");
+  StereoPair pair;
+  for (int i = 0; i < fake_simulator::kPairs; ++i) {
+    ASSERT_EQ(source->next(pair, {}), SourceState::kPair) << source->error();
+    EXPECT_EQ(pair.sequence, static_cast<std::uint64_t>(i < 2 ? i : i + 3));
+    EXPECT_EQ(pair.utime_us(), fake_simulator::exposure_us(i < 2 ? i : i + 3));
+  }
+  EXPECT_EQ(source->counters().dropped_images, 3U);
+  EXPECT_EQ(source->counters().lost_images, 0U);
+}
+
 TEST(SimSource, KeepsTheLimitOfSkewAndTheRate) {
   StereoPair pair;
   const auto strict = open("good", {.max_skew_s = 0.001});
@@ -166,6 +178,7 @@ TEST(SimSource, SaysWhatTheSimulatorSaidWhenItCouldNotBegin) {
   EXPECT_THAT(refusal("cannot-begin"),
               AllOf(HasSubstr("ended with exit code 1"), HasSubstr("nowhere: no such world")));
   EXPECT_THAT(refusal("greets-in-another-version"), HasSubstr("no greeting of version 1"));
+  EXPECT_THAT(refusal("shares-nothing"), HasSubstr("memory that does not hold its images"));
 }
 
 TEST(SimSource, SaysWhyTheSimulatorEnded) {
@@ -185,6 +198,7 @@ TEST(SimSource, RefusesGarbage) {
   EXPECT_THAT(failure("other-size"), HasSubstr("an image that cannot be"));
   EXPECT_THAT(failure("wrong-slot"), HasSubstr("an image that cannot be"));
   EXPECT_THAT(failure("half-a-truth"), HasSubstr("truth that is not whole"));
+  EXPECT_THAT(failure("counts-backwards"), HasSubstr("images numbered backwards"));
   EXPECT_THAT(failure("no-truth"), HasSubstr("something else as truth_pose_t"));
 }
 

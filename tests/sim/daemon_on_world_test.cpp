@@ -43,6 +43,7 @@ seed = 5
 width_px = 320
 height_px = 240
 rate_hz = 16.0
+left = { distortion = [0.02, -0.05, 0.0005, -0.0005, 0.0] }
 [shell]
 kind = "room"
 width_m = 3.0
@@ -188,7 +189,7 @@ TEST_F(DaemonOnWorld, RefusesAWorldThatIsNotThere) {
                                     HasSubstr("there are: approaching"), HasSubstr("crossing")));
   const Outcome broken = run("sim:" + world("[rig]\nmotion = 3\n"));
   EXPECT_EQ(broken.exit_code, 1);
-  EXPECT_THAT(broken.output, HasSubstr("world.toml:16: rig.motion: a table is needed"));
+  EXPECT_THAT(broken.output, HasSubstr("world.toml:17: rig.motion: a table is needed"));
 }
 
 // 0.12 m/s is reached after 0.4 s; the base brakes as fast.

@@ -35,7 +35,7 @@ Eye Deliveries::earlier() const {
 void Deliveries::expose() {
   const Eye eye = earlier();
   auto& coming = coming_[static_cast<std::size_t>(eye)];
-  under_way_.push({eye, in_pairs_, *coming});
+  under_way_.push({eye, in_pairs_, exposed_[static_cast<std::size_t>(eye)]++, *coming});
   coming = following(eye, coming->number + 1);
 }
 

@@ -12,7 +12,8 @@ namespace egomod::sim {
 
 struct Delivery {
   Eye eye = Eye::kLeft;
-  bool is_pair = false;  // both cameras' images of the same number and instant
+  bool is_pair = false;     // both cameras' images of the same number and instant
+  std::uint64_t index = 0;  // among all that its camera delivers, in order of exposure
   Exposure exposure;
 
   [[nodiscard]] double arrival_s() const { return exposure.t_s + exposure.late_s; }
@@ -40,7 +41,9 @@ class Deliveries {
 
   const World& world_;
   bool in_pairs_;
-  std::array<std::optional<Exposure>, 2> coming_;  // by eye
+  // By eye.
+  std::array<std::optional<Exposure>, 2> coming_;
+  std::array<std::uint64_t, 2> exposed_{};
   std::priority_queue<Delivery, std::vector<Delivery>, ArrivesLater> under_way_;
 };
 

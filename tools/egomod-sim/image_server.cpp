@@ -103,9 +103,9 @@ ImageServer::Wish ImageServer::wait(std::optional<Clock::time_point> until) {
   return Wish::kImages;
 }
 
-bool ImageServer::send(protocol::Eye eye, std::int64_t exposure_us, const Image& image,
-                       const Truth& truth, std::uint64_t left_out) {
-  if (free_slots_ == 0) return false;
+void ImageServer::send(protocol::Eye eye, std::uint64_t sequence, std::int64_t exposure_us,
+                       const Image& image, const Truth& truth) {
+  if (free_slots_ == 0) return;
   const auto slot = static_cast<std::uint32_t>(std::countr_zero(free_slots_));
   free_slots_ &= free_slots_ - 1U;
   const auto bytes = static_cast<std::size_t>(image.stride_bytes() * image.height_px());
@@ -117,11 +117,10 @@ bool ImageServer::send(protocol::Eye eye, std::int64_t exposure_us, const Image&
       .height_px = image.height_px(),
       .stride_bytes = static_cast<std::int32_t>(image.stride_bytes()),
       .exposure_us = exposure_us,
-      .left_out = left_out,
+      .sequence = sequence,
       .truth_pose_bytes = static_cast<std::uint32_t>(truth.pose.size()),
       .truth_objects_bytes = static_cast<std::uint32_t>(truth.objects.size())};
   send({bytes_of(shot), truth.pose, truth.objects});
-  return true;
 }
 
 void ImageServer::send(protocol::Kind kind) {

@@ -41,10 +41,9 @@ class ImageServer {
     std::span<const std::uint8_t> pose;
     std::span<const std::uint8_t> objects;
   };
-  // False: no slot is free, the image cannot go. Truth and how many were left out before it go with
-  // left images.
-  bool send(sim_protocol::Eye eye, std::int64_t exposure_us, const Image& image,
-            const Truth& truth = {}, std::uint64_t left_out = 0);
+  // Where no slot is free the image is left out. Truth goes with left images.
+  void send(sim_protocol::Eye eye, std::uint64_t sequence, std::int64_t exposure_us,
+            const Image& image, const Truth& truth = {});
   void send(sim_protocol::Kind kind);
 
  private:

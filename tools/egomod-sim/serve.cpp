@@ -35,10 +35,7 @@ class Session {
 
   void run() {
     while (const auto delivery = deliveries_.next()) {
-      if (is_out_of_date(*delivery)) {
-        left_out_ += delivery->eye == Eye::kLeft ? 1 : 0;
-        continue;
-      }
+      if (is_out_of_date(*delivery)) continue;
       if (!wait_for(*delivery)) return;
       drive(delivery->exposure.t_s);
       show(*delivery);
@@ -88,32 +85,26 @@ class Session {
   }
 
   void show(const Delivery& delivery) {
-    const Exposure& exposure = delivery.exposure;
+    const std::uint64_t number = delivery.exposure.number;
     if (delivery.is_pair) {
-      simulator_.take_pair(exposure.number, left_, right_);
+      simulator_.take_pair(number, left_, right_);
     } else {
-      simulator_.take_image(delivery.eye, exposure.number,
-                            delivery.eye == Eye::kLeft ? left_ : right_);
+      simulator_.take_image(delivery.eye, number, delivery.eye == Eye::kLeft ? left_ : right_);
     }
-    if (delivery.eye == Eye::kLeft) send_left(exposure);
+    if (delivery.eye == Eye::kLeft) send_left(delivery);
     if (delivery.eye == Eye::kRight || delivery.is_pair) {
-      server_.send(protocol::Eye::kRight, utime_us(exposure), right_);
+      server_.send(protocol::Eye::kRight, delivery.index, utime_us(delivery.exposure), right_);
     }
   }
 
-  void send_left(const Exposure& exposure) {
-    simulator_.take_truth(exposure.number, truth_);
-    const Eigen::Isometry3d& T_body_camera = calibration_.T_body_camera;
-    fill_message(truth_, T_body_camera, utime_us(exposure), sequence_, pose_);
-    fill_message(truth_, T_body_camera, utime_us(exposure), sequence_, objects_);
-    const ImageServer::Truth truth{encode_message(pose_, pose_bytes_),
-                                   encode_message(objects_, objects_bytes_)};
-    if (!server_.send(protocol::Eye::kLeft, utime_us(exposure), left_, truth, left_out_)) {
-      ++left_out_;
-      return;
-    }
-    left_out_ = 0;
-    ++sequence_;
+  void send_left(const Delivery& delivery) {
+    simulator_.take_truth(delivery.exposure.number, truth_);
+    const std::int64_t utime = utime_us(delivery.exposure);
+    const auto sequence = static_cast<std::int64_t>(delivery.index);
+    fill_message(truth_, calibration_.T_body_camera, utime, sequence, pose_);
+    fill_message(truth_, calibration_.T_body_camera, utime, sequence, objects_);
+    server_.send(protocol::Eye::kLeft, delivery.index, utime, left_,
+                 {encode_message(pose_, pose_bytes_), encode_message(objects_, objects_bytes_)});
   }
 
   Simulator& simulator_;
@@ -123,8 +114,6 @@ class Session {
   Deliveries deliveries_;
   std::optional<BaseLink> link_;
   std::optional<Clock::time_point> begin_;
-  std::int64_t sequence_ = 0;  // of left images that the daemon has got
-  std::uint64_t left_out_ = 0;
   Image left_;
   Image right_;
   Truth truth_;

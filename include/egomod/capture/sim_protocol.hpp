@@ -52,7 +52,8 @@ struct Shot {
   std::int32_t height_px = 0;
   std::int32_t stride_bytes = 0;
   std::int64_t exposure_us = 0;  // its middle; simulated time
-  std::uint64_t left_out = 0;    // left images before this one that there was no time or slot for
+  // Left images are numbered in order of exposure, also those that are left out for want of time.
+  std::uint64_t sequence = 0;
   std::uint32_t truth_pose_bytes = 0;
   std::uint32_t truth_objects_bytes = 0;
 };
