@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Takes the place of egomod-sim in tests: needs no OpenGL, and misbehaves as its world is called.
 // A world "NAME@FILE" also writes its process number into the file.
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -110,6 +111,14 @@ void misbehave(const std::string& world, ImageServer& server, Camera& camera) {
                   .height_px = kHeight_px,
                   .stride_bytes = 64,
                   .truth_pose_bytes = 1000});
+  }
+  if (world == "leaves-in-a-hurry") {
+    pollfd request{egomod::sim_protocol::kSocket, POLLIN, 0};
+    poll(&request, 1, -1);  // stays unread
+    camera.left(2);
+    camera.right(2);
+    server.send(Kind::kEnd);
+    std::exit(0);
   }
   if (world == "chatters") {
     for (int line = 0; line < 3000; ++line) std::fprintf(stderr, "line %d of nothing much\n", line);

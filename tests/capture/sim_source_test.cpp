@@ -188,6 +188,15 @@ TEST(SimSource, SaysWhyTheSimulatorEnded) {
   EXPECT_THAT(failure("hangs-up"), HasSubstr("had to be killed"));
 }
 
+TEST(SimSource, GetsAllThatASimulatorSentBeforeItLeft) {
+  const auto source = open("leaves-in-a-hurry");
+  StereoPair pair;
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_EQ(source->next(pair, {}), SourceState::kPair) << source->error();
+  }
+  EXPECT_EQ(source->next(pair, {}), SourceState::kEnd) << source->error();
+}
+
 TEST(SimSource, DoesNotWaitForeverForASimulatorThatStalls) {
   EXPECT_THAT(failure("stalls", 1s), HasSubstr("egomod-sim has sent nothing for 1 s"));
 }

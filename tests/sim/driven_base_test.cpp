@@ -94,6 +94,9 @@ TEST(DrivenBase, TakesUpACommandAtItsTimeOrAtOnce) {
   EXPECT_EQ(base.at(0.99).linear_mps, 0.0);
   EXPECT_EQ(base.at(1.25).linear_mps, 1.0);
   EXPECT_EQ(base.at(1.75).linear_mps, -1.0);
+  base.accept({.from_s = 0.5, .linear_mps = 0.25});
+  base.advance(2.5);
+  EXPECT_EQ(base.at(2.25).linear_mps, 0.25) << "late, but newer than what holds";
 }
 
 TEST(DrivenBase, DependsOnItsCommandsOnlyNotOnWhenItIsAskedToGoOn) {

@@ -80,12 +80,15 @@ int main(int argc, char** argv) {
                "Write depth_0 too: 16-bit PNG, millimetres (needs --out)");
   app.add_flag("--masks", arguments.options.masks,
                "Write mask_0 too: 8-bit PNG, object ids (needs --out)");
-  app.add_option("--serve", arguments.serve.socket,
-                 "For egomodd --source sim, which starts this program: the socket to it");
+  auto* serve =
+      app.add_option("--serve", arguments.serve.socket,
+                     "For egomodd --source sim, which starts this program: the socket to it");
   app.add_flag("--realtime", arguments.serve.realtime,
-               "Serve by the wall clock, and leave out what there is no time for");
+               "Serve by the wall clock, and leave out what there is no time for")
+      ->needs(serve);
   app.add_option("--lcm-url", arguments.serve.lcm_url,
-                 "Serve: the bus on which a driven rig gets its commands");
+                 "Serve: the bus on which a driven rig gets its commands")
+      ->needs(serve);
   app.add_flag("--list", arguments.list, "Print the names of the worlds that are installed");
   try {
     app.parse(argc, argv);
