@@ -19,8 +19,11 @@ constexpr double kMinNoiseRatio = 0.2;  // of one pair: images that repeat have 
 constexpr double kTrusted = 0.5;        // static weight of tracks that tell the noise
 constexpr std::size_t kTracksThatTellNoise = 20;
 constexpr std::size_t kMinCorrespondences = 4;
+constexpr std::size_t kTracksToStartAnew = 20;
 constexpr int kMaxAmbiguousQuality = 20;
 constexpr double kInliersOfFullQuality = 100.0;
+// A map that contradicts this many pairs in a row is wrong itself.
+constexpr int kMostContradictedPairs = 3;
 
 }  // namespace
 
@@ -36,24 +39,34 @@ EgomotionEstimator::EgomotionEstimator(const EgomotionConfig& config)
 void EgomotionEstimator::estimate(const TrackSet& tracks, Egomotion& motion) {
   begin(tracks, motion);
   if (tracks.status == TrackStatus::kNotRun) return repeat_pose(tracks, motion);
-  const bool anew = tracks.status == TrackStatus::kReseeded || tracks.status == TrackStatus::kFirst;
-  if (!started_ || anew) {
-    start_anew(tracks, motion);
+  const EstimateReason anew = reason_to_start_anew(tracks);
+  if (!started_ || anew != EstimateReason::kNone) {
+    start_anew(anew, tracks, motion);
   } else {
     follow(tracks, motion);
   }
   finish(motion);
+  camera_ = tracks.camera;
   last_tracked_sequence_ = tracks.sequence;
   skipped_ = 0;
+}
+
+EstimateReason EgomotionEstimator::reason_to_start_anew(const TrackSet& tracks) const {
+  if (started_ && tracks.camera != camera_) return EstimateReason::kRecalibrated;
+  const bool reseeded = tracks.status == TrackStatus::kReseeded ||
+                        tracks.status == TrackStatus::kFirst ||
+                        (is_lost_ && tracks.status == TrackStatus::kOk);
+  return reseeded ? EstimateReason::kReseeded : EstimateReason::kNone;
 }
 
 void EgomotionEstimator::follow(const TrackSet& tracks, Egomotion& motion) {
   advance_to(tracks, motion);
   gather(tracks);
+  if (is_cut_off(tracks)) return start_anew(EstimateReason::kReseeded, tracks, motion);
   Solution solution = solve(tracks);
   assign_roles(tracks, solution, motion);
   const EstimateReason failure = judge(solution, motion);
-  if (failure != EstimateReason::kNone) return fail(failure, motion);
+  if (failure != EstimateReason::kNone) return fail(failure, tracks, motion);
   Solution other;
   const bool ambiguous = weigh_rival(tracks, solution, other, motion);
   accept(tracks, solution, motion);
@@ -90,15 +103,18 @@ void EgomotionEstimator::repeat_pose(const TrackSet& tracks, Egomotion& motion) 
   finish(motion);
 }
 
-void EgomotionEstimator::start_anew(const TrackSet& tracks, Egomotion& motion) {
+void EgomotionEstimator::start_anew(EstimateReason reason, const TrackSet& tracks,
+                                    Egomotion& motion) {
   motion.status = EstimateStatus::kFirst;
   motion.previous_exposure = tracks.exposure;
   if (started_) {
-    motion.reason = EstimateReason::kReseeded;
+    motion.reason = reason;
     pose_.reset(
         diagonal_covariance(config_.reset_translation_sigma_m, config_.reset_rotation_sigma_rad));
   }
   started_ = true;
+  is_lost_ = false;
+  contradicted_pairs_ = 0;
   has_velocity_ = false;
   velocity_ = habit_ = unknown_velocity();
   against_map_.setZero();
@@ -132,6 +148,19 @@ void EgomotionEstimator::gather(const TrackSet& tracks) {
     c.covariance_observed_px2 = noise_scale_ * covariance(track.current);
     correspondences_.push_back(c);
   }
+}
+
+// Hardly a track that the map knows, but enough that it does not: it learns nothing while estimates
+// fail, so that waiting would not help.
+bool EgomotionEstimator::is_cut_off(const TrackSet& tracks) const {
+  const auto least = std::max(static_cast<std::size_t>(config_.min_inliers), kMinCorrespondences);
+  if (!config_.map || correspondences_.size() >= least) return false;
+  std::size_t unknown = 0;
+  for (std::size_t k = 0; k < tracks.tracks.size(); ++k) {
+    const Track& track = tracks.tracks[k];
+    unknown += track.has_current && usable(track.current) && map_.points()[k].updates == 0 ? 1 : 0;
+  }
+  return unknown >= kTracksToStartAnew;
 }
 
 bool EgomotionEstimator::find_past(const StereoCamera& camera, const Track& track,
@@ -232,6 +261,7 @@ void EgomotionEstimator::doubt(const Solution& other, Egomotion& motion) {
 void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution,
                                 Egomotion& motion) {
   motion.status = EstimateStatus::kValid;
+  contradicted_pairs_ = 0;
   motion.reason = over_a_hole(tracks) ? EstimateReason::kHole : EstimateReason::kNone;
   const double share = motion.inliers / static_cast<double>(correspondences_.size());
   motion.quality = std::clamp(
@@ -262,11 +292,16 @@ void EgomotionEstimator::keep_velocity(const Egomotion& motion) {
   has_velocity_ = true;
 }
 
-void EgomotionEstimator::fail(EstimateReason reason, Egomotion& motion) {
+void EgomotionEstimator::fail(EstimateReason reason, const TrackSet& tracks, Egomotion& motion) {
   motion.status = EstimateStatus::kFailed;
   motion.reason = reason;
   motion.covariance_previous_current =
       diagonal_covariance(config_.reset_translation_sigma_m, config_.reset_rotation_sigma_rad);
+  is_lost_ = is_lost_ || tracks.discontinuity;
+  const bool contradicted =
+      reason == EstimateReason::kFewInliers || reason == EstimateReason::kNotConverged;
+  contradicted_pairs_ = contradicted ? contradicted_pairs_ + 1 : 0;
+  is_lost_ = is_lost_ || (config_.map && contradicted_pairs_ >= kMostContradictedPairs);
   // Frame to frame the motion of this pair is lost; tracks in the map remember where they stood.
   if (!config_.map) pose_.doubt(motion.covariance_previous_current);
 }

@@ -58,6 +58,12 @@ float deviation(const AffineWarp& w) {
   return std::sqrt((w.a - 1) * (w.a - 1) + w.b * w.b + w.c * w.c + (w.d - 1) * (w.d - 1));
 }
 
+// Whether a new calibration moves the rectified images against those before.
+bool moves_images(const Calibration& before, const Calibration& now) {
+  return now.images_are_raw &&
+         (before.camera != now.camera || before.left != now.left || before.right != now.right);
+}
+
 bool has_lost_sight(const FollowedPoint& p) {
   return !p.followed || p.pairs_without_stereo > kMaxPairsWithoutStereo;
 }
@@ -113,6 +119,7 @@ class FeatureTracker::Implementation {
   std::optional<Workers> workers_;
   std::array<StereoImages, 2> images_;
   std::size_t newest_ = 0;
+  Calibration calibration_;
   bool first_ = true;
   bool restarted_ = false;
   Nanoseconds last_exposure_{0};
@@ -138,6 +145,7 @@ void FeatureTracker::Implementation::track(const StereoPair& pair, TrackSet& tra
   const std::size_t survivors = store_.points().size();
   workers_->seeding.seed(current(), store_);
   publish(tracks);
+  tracks.discontinuity = !first_ && restarted_;
   tracks.status = status(tracks, survivors);
   last_exposure_ = pair.exposure;
   first_ = false;
@@ -152,14 +160,16 @@ float FeatureTracker::Implementation::next_interval_ratio(Nanoseconds exposure) 
   return static_cast<float>(std::clamp(ratio, 0.1, 10.0));
 }
 
-// A cut or a new image size ends all tracks.
+// A cut, a new image size or another rectification ends all tracks.
 void FeatureTracker::Implementation::begin_pair(const StereoPair& pair) {
   const int width_px = pair.left.width_px();
   const int height_px = pair.left.height_px();
   const bool resized =
       !workers_ || workers_->width_px != width_px || workers_->height_px != height_px;
   if (resized) workers_.emplace(config_, width_px, height_px);
-  restarted_ = pair.discontinuity || resized;
+  const bool moved = !first_ && moves_images(calibration_, pair.calibration);
+  calibration_ = pair.calibration;
+  restarted_ = pair.discontinuity || resized || moved;
   if (restarted_) store_.clear();
   newest_ = 1 - newest_;
   current().take(pair);

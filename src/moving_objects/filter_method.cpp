@@ -59,8 +59,12 @@ FilterMethod::FilterMethod(const MovingObjectsConfig& config)
 }
 
 void FilterMethod::detect(const TrackSet& tracks, const Egomotion& motion, MovingObjects& objects) {
-  begin(tracks, has_run(tracks, motion), objects);
+  begin(tracks, motion, objects);
   if (!objects.has_run) return;
+  if (!was_tracked(tracks)) {
+    objects_.miss(tracks);
+    return objects_.report(objects.objects);
+  }
   points_.clear();
   objects_.predict(tracks, motion);
   if (is_comparable(motion)) {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "egomod/core/geometry.hpp"
+
 namespace egomod {
 
 PixelRect rectangle_of(std::span<const PointSample> points, Members members) {
@@ -37,6 +39,25 @@ Eigen::Vector3d extent_of(std::span<const PointSample> points, Members members) 
     high = high.cwiseMax(points[i].position_m);
   }
   return high - low;
+}
+
+PixelRect carried(const StereoCamera& camera, const PixelRect& rectangle,
+                  const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m) {
+  constexpr double kNearest_m = 0.05;
+  constexpr PixelRect kOutOfView{0.0F, 0.0F, -1.0F, -1.0F};
+  if (!(from_m.z() > kNearest_m) || !(to_m.z() > kNearest_m)) return kOutOfView;
+  const Eigen::Vector2d from_px = project(camera, from_m).head<2>();
+  const Eigen::Vector2d to_px = project(camera, to_m).head<2>();
+  const double scale = from_m.z() / to_m.z();
+  const auto moved = [&](float u_px, float v_px) -> Eigen::Vector2d {
+    return to_px + scale * (Eigen::Vector2d(u_px, v_px) - from_px);
+  };
+  const Eigen::Vector2d last_px(camera.width_px - 1, camera.height_px - 1);
+  const Eigen::Vector2d low = moved(rectangle.u_min_px, rectangle.v_min_px).cwiseMax(0.0);
+  const Eigen::Vector2d high = moved(rectangle.u_max_px, rectangle.v_max_px).cwiseMin(last_px);
+  if (!(low.x() <= high.x() && low.y() <= high.y())) return kOutOfView;
+  return {static_cast<float>(low.x()), static_cast<float>(low.y()), static_cast<float>(high.x()),
+          static_cast<float>(high.y())};
 }
 
 float intersection_px2(const PixelRect& a, const PixelRect& b) {

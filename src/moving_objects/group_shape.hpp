@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "egomod/core/calibration.hpp"
 #include "egomod/core/moving_objects.hpp"
 #include "moving_objects/grouping.hpp"
 #include "moving_objects/point_sample.hpp"
@@ -18,6 +19,11 @@ using Members = std::span<const Grouper::Index>;  // into a vector of PointSampl
 [[nodiscard]] Eigen::Vector3d mean_position(std::span<const PointSample> points, Members members);
 [[nodiscard]] Eigen::Vector3d mean_velocity(std::span<const PointSample> points, Members members);
 [[nodiscard]] Eigen::Vector3d extent_of(std::span<const PointSample> points, Members members);
+
+// The rectangle of something that went from one position to another without turning, inside the
+// image; where it is out of view, empty: u_max_px < u_min_px.
+[[nodiscard]] PixelRect carried(const StereoCamera& camera, const PixelRect& rectangle,
+                                const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m);
 
 [[nodiscard]] float intersection_px2(const PixelRect& a, const PixelRect& b);
 [[nodiscard]] bool contains(const PixelRect& rectangle, const Eigen::Vector2d& pixel_px);

@@ -39,6 +39,12 @@ bool are_near(const MovingObjectsConfig& config, const MovingObject& a, const Mo
          gap.z() < std::max(config.neighbour_depth_m, kPartDepthShare * size_m) + 2.5 * sigma_m;
 }
 
+bool is_finite(const MovingObject& object) {
+  return object.position_m.allFinite() && object.velocity_mps.allFinite() &&
+         object.position_covariance_m2.allFinite() &&
+         object.velocity_covariance_m2ps2.allFinite() && std::isfinite(object.motion_probability);
+}
+
 bool move_as_one(const MovingObject& a, const MovingObject& b) {
   const double slack_mps = kPartSpeed_mps + kPartSpeedShare * std::max(a.speed_mps, b.speed_mps);
   const Eigen::Vector3d dv = a.velocity_mps - b.velocity_mps;
@@ -57,18 +63,31 @@ ObjectTable::ObjectTable(const MovingObjectsConfig& config, const ObjectGates& g
   members_.reserve(kReservedTracks);
 }
 
-void ObjectTable::predict(const TrackSet& tracks, const Egomotion& motion) {
-  const double elapsed_s = to_seconds(tracks.exposure - now_);
-  const Eigen::Isometry3d T_current_previous = motion.T_previous_current.inverse();
-  now_ = tracks.exposure;
+void ObjectTable::move_on(const StereoCamera& camera, Nanoseconds exposure,
+                          const Eigen::Isometry3d& T_current_previous) {
+  const double elapsed_s = to_seconds(exposure - now_);
+  now_ = exposure;
   for (Tracked& tracked : objects_) {
     MovingObject& object = tracked.object;
-    const Eigen::Vector3d moved_m = object.position_m + elapsed_s * object.velocity_mps;
-    object.position_m = T_current_previous * moved_m;
+    const Eigen::Vector3d before_m = object.position_m;
+    object.position_m = T_current_previous * (before_m + elapsed_s * object.velocity_mps);
     object.velocity_mps = T_current_previous.linear() * object.velocity_mps;
+    object.rectangle = carried(camera, object.rectangle, before_m, object.position_m);
+    object.age_s = to_seconds(now_ - tracked.first);
     object.points = 0;
     tracked.evident = false;
   }
+}
+
+void ObjectTable::miss(const TrackSet& tracks) {
+  move_on(tracks.camera, tracks.exposure, Eigen::Isometry3d::Identity());
+  for (Tracked& tracked : objects_) {
+    if (tracked.object.state == ObjectState::kMoving) tracked.object.state = ObjectState::kCoasting;
+  }
+}
+
+void ObjectTable::predict(const TrackSet& tracks, const Egomotion& motion) {
+  move_on(tracks.camera, tracks.exposure, motion.T_previous_current.inverse());
   owners_.swap(previous_owners_);
   track_ids_.swap(previous_track_ids_);
   owners_.assign(tracks.tracks.size(), 0);
@@ -191,7 +210,7 @@ void ObjectTable::absorb_parts(const StereoCamera& camera, std::span<const Point
     if (parts == objects_.end()) continue;
     objects_.erase(parts, objects_.end());
     collect(points, *older);
-    measure(camera, points, *older);
+    if (!members_.empty()) measure(camera, points, *older);
     if (older->confirmed) older->object.state = ObjectState::kMoving;
   }
 }
@@ -232,7 +251,6 @@ void ObjectTable::measure(const StereoCamera& camera, std::span<const PointSampl
   const PixelRect& r = object.rectangle;
   object.position_m = {(0.5 * (r.u_min_px + r.u_max_px) - camera.cx_px) / camera.fx_px * z_m,
                        (0.5 * (r.v_min_px + r.v_max_px) - camera.cy_px) / camera.fy_px * z_m, z_m};
-  object.age_s = to_seconds(now_ - tracked.first);
   set_speed(object);
   object.motion_probability = logistic(motion_log_ratio(
       object.velocity_mps, object.velocity_covariance_m2ps2, config_.velocity_prior_mps));
@@ -245,16 +263,14 @@ void ObjectTable::coast(std::span<const PointSample> points, Tracked& tracked) {
   const auto count = static_cast<std::ptrdiff_t>(members_.size());
   const bool stopped = still >= static_cast<std::ptrdiff_t>(kLeastPoints) && 2 * still > count;
   MovingObject& object = tracked.object;
-  object.points = static_cast<int>(count);
-  object.age_s = to_seconds(now_ - tracked.first);
+  object.points = stopped || !tracked.confirmed ? static_cast<int>(count) : 0;
   if (!tracked.confirmed) return;
   object.state = stopped ? ObjectState::kStopped : ObjectState::kCoasting;
 }
 
 bool ObjectTable::is_lost(const Tracked& tracked) const {
   const double patience_s = tracked.confirmed ? config_.coast_s : kTentative_s;
-  return to_seconds(now_ - tracked.last_evidence) > patience_s ||
-         !tracked.object.position_m.allFinite() || !tracked.object.velocity_mps.allFinite();
+  return to_seconds(now_ - tracked.last_evidence) > patience_s || !is_finite(tracked.object);
 }
 
 void ObjectTable::report(std::vector<MovingObject>& objects) const {

@@ -32,6 +32,8 @@ class ObjectTable {
 
   // Objects move on to the current pair; tracks keep their owners.
   void predict(const TrackSet& tracks, const Egomotion& motion);
+  // Objects move on to a pair in which nothing could be seen.
+  void miss(const TrackSet& tracks);
   // Gives each group to an object: by shared tracks, else by place and velocity, else a new one.
   void associate(std::span<const PointSample> points, const MotionGroups& finder,
                  std::span<const MotionGroup> groups);
@@ -55,6 +57,8 @@ class ObjectTable {
     bool confirmed = false;
   };
 
+  void move_on(const StereoCamera& camera, Nanoseconds exposure,
+               const Eigen::Isometry3d& T_current_previous);
   [[nodiscard]] Tracked* by_tracks(std::span<const PointSample> points, Members members);
   [[nodiscard]] Tracked* by_place(const MotionGroup& group);
   [[nodiscard]] Tracked* create(const MotionGroup& group);

@@ -77,9 +77,8 @@ double motion_log_ratio(const Eigen::Vector3d& velocity_mps,
 
 double logistic(double x) { return 1.0 / (1.0 + std::exp(-x)); }
 
-bool has_run(const TrackSet& tracks, const Egomotion& motion) {
-  return tracks.pair_status == PairStatus::kOk && tracks.status != TrackStatus::kNotRun &&
-         motion.status != EstimateStatus::kSkipped;
+bool was_tracked(const TrackSet& tracks) {
+  return tracks.pair_status == PairStatus::kOk && tracks.status != TrackStatus::kNotRun;
 }
 
 bool is_finite(const Eigen::Isometry3d& T) { return T.matrix().allFinite(); }
@@ -92,10 +91,10 @@ Eigen::Vector3d rig_velocity(const Egomotion& motion) {
   return known ? Eigen::Vector3d(moved_m / dt_s) : Eigen::Vector3d::Zero();
 }
 
-void begin(const TrackSet& tracks, bool ran, MovingObjects& objects) {
+void begin(const TrackSet& tracks, const Egomotion& motion, MovingObjects& objects) {
   objects.sequence = tracks.sequence;
   objects.exposure = tracks.exposure;
-  objects.has_run = ran;
+  objects.has_run = motion.status != EstimateStatus::kSkipped;
   objects.objects.clear();
   objects.objects.reserve(kReservedObjects);
   objects.points.clear();

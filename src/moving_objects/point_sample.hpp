@@ -71,12 +71,12 @@ struct Residual {
                                       const Eigen::Matrix3d& covariance_m2ps2, double prior_mps);
 [[nodiscard]] double logistic(double x);
 
-// True when the pair was tracked and can be spoken about at all.
-[[nodiscard]] bool has_run(const TrackSet& tracks, const Egomotion& motion);
+// False for a pair that was skipped or rejected: nothing new is known of anything.
+[[nodiscard]] bool was_tracked(const TrackSet& tracks);
 [[nodiscard]] bool is_finite(const Eigen::Isometry3d& T);
 // Of the rig over the last pair, in current left camera axes; zero when it is unknown.
 [[nodiscard]] Eigen::Vector3d rig_velocity(const Egomotion& motion);
 // Clears `objects` for this pair, keeping its memory.
-void begin(const TrackSet& tracks, bool ran, MovingObjects& objects);
+void begin(const TrackSet& tracks, const Egomotion& motion, MovingObjects& objects);
 
 }  // namespace egomod

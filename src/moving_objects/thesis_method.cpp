@@ -42,8 +42,8 @@ ThesisMethod::ThesisMethod(const MovingObjectsConfig& config)
 }
 
 void ThesisMethod::detect(const TrackSet& tracks, const Egomotion& motion, MovingObjects& objects) {
-  begin(tracks, has_run(tracks, motion), objects);
-  if (!objects.has_run) return;
+  begin(tracks, motion, objects);
+  if (!was_tracked(tracks)) return;
   measure(tracks, motion);    // eqs. 21-25
   decide(motion);             // eqs. 30-33
   group();                    // section IV-C, discretised velocity and proximity

@@ -49,7 +49,9 @@ Fit fuse(const PointMeasurement& z, PointModel<N>& model) {
   const double cut = std::min(1.0, kCutChi2 / std::max(fit.chi2, 1e-12));
   const Eigen::Matrix<double, N, 3> K = cut * (A * S_inverse);
   model.state.noalias() += K * r;
-  model.covariance.noalias() -= K * A.transpose();
+  const Eigen::Matrix<double, N, N> C = model.covariance - K * A.transpose();
+  // Rounding would grow: the next update multiplies what is not symmetric.
+  model.covariance = 0.5 * (C + C.transpose());
   model.bias_covariance.noalias() -= K * (c + z.bias_m);
   fit.log_likelihood = log_of_sum(std::log1p(-kOutlierShare) - kLog2Pi3_2 + z.log_volume -
                                       0.5 * (fit.chi2 + std::log(determinant)),

@@ -160,5 +160,80 @@ TEST_P(EgomotionFaultsTest, AReseedCountsAResetAndKeepsThePoseUncertain) {
   EXPECT_GT(motion.covariance_first_current(0, 0), 0.5);
 }
 
+// Estimates `pairs` more pairs; how many of them had no valid motion before the last.
+int pairs_until_valid(World& world, int pairs, EgomotionEstimator& estimator, Egomotion& motion) {
+  int invalid = 0;
+  for (int k = 0; k < pairs; ++k) {
+    estimator.estimate(world.step(forward_and_left()), motion);
+    if (motion.status != EstimateStatus::kValid) invalid = k + 1;
+  }
+  return invalid;
+}
+
+TEST_P(EgomotionFaultsTest, TracksThatAreAllNewAreCutOffAndRecoverWithinTwoPairs) {
+  World world(15, 300);
+  EgomotionEstimator estimator(config());
+  Egomotion motion;
+  estimator.estimate(world.tracks(), motion);
+  estimator.estimate(world.step(forward_and_left()), motion);
+  TrackSet dark = world.step(forward_and_left());
+  dark.status = TrackStatus::kFew;
+  dark.tracks.resize(3);
+  estimator.estimate(dark, motion);
+  EXPECT_EQ(motion.status, EstimateStatus::kFailed);
+  world.lose_all();
+  EXPECT_LE(pairs_until_valid(world, 6, estimator, motion), 2);
+  EXPECT_EQ(motion.reset_count, config().map ? 1U : 0U);
+  EXPECT_LT(error_of(motion, forward_and_left()).norm(), 0.01);
+}
+
+TEST_P(EgomotionFaultsTest, ANewCalibrationStartsAnewAndGoesOn) {
+  World world(16, 300);
+  EgomotionEstimator estimator(config());
+  Egomotion motion;
+  estimator.estimate(world.tracks(), motion);
+  estimator.estimate(world.step(forward_and_left()), motion);
+  world.tracks().camera.baseline_m *= 1.1;
+  estimator.estimate(world.step(forward_and_left()), motion);
+  EXPECT_EQ(motion.status, EstimateStatus::kFirst);
+  EXPECT_EQ(motion.reason, EstimateReason::kRecalibrated);
+  EXPECT_EQ(motion.reset_count, 1U);
+  EXPECT_EQ(pairs_until_valid(world, 5, estimator, motion), 0);
+}
+
+TEST_P(EgomotionFaultsTest, ACutThatIsTooDarkToSeedIsStillACut) {
+  World world(17, 300);
+  EgomotionEstimator estimator(config());
+  Egomotion motion;
+  estimator.estimate(world.tracks(), motion);
+  estimator.estimate(world.step(forward_and_left()), motion);
+  TrackSet dark = world.step(forward_and_left());
+  dark.status = TrackStatus::kFew;
+  dark.discontinuity = true;
+  dark.tracks.resize(3);
+  estimator.estimate(dark, motion);
+  estimator.estimate(world.step(forward_and_left()), motion);
+  EXPECT_EQ(motion.status, EstimateStatus::kFirst);
+  EXPECT_EQ(motion.reason, EstimateReason::kReseeded);
+  EXPECT_EQ(motion.reset_count, 1U);
+}
+
+TEST_P(EgomotionFaultsTest, AMapThatEveryPairContradictsIsGivenUp) {
+  World before(18, 300);
+  World after(19, 300);  // other points under the same names
+  EgomotionEstimator estimator(config());
+  Egomotion motion;
+  estimator.estimate(before.tracks(), motion);
+  for (int k = 0; k < 10; ++k) estimator.estimate(before.step(forward_and_left()), motion);
+  for (int k = 0; k < 10; ++k) {
+    after.step(forward_and_left());
+    before.step(forward_and_left());
+  }
+  after.tracks().sequence = before.tracks().sequence;
+  after.tracks().exposure = before.tracks().exposure;
+  EXPECT_LE(pairs_until_valid(after, 12, estimator, motion), 6);
+  EXPECT_LT(error_of(motion, forward_and_left()).norm(), 0.01);
+}
+
 }  // namespace
 }  // namespace egomod

@@ -107,6 +107,14 @@ class World {
     mover_share_ = share;
   }
 
+  // Other points take the place of all there were.
+  void lose_all() {
+    const std::size_t before = points_.size();
+    points_.clear();
+    tracks_.tracks.clear();
+    while (points_.size() < before) seed_point(tracks_);
+  }
+
   [[nodiscard]] const TrackSet& tracks() const { return tracks_; }
   TrackSet& tracks() { return tracks_; }
   [[nodiscard]] const Eigen::Isometry3d& T_first_current() const { return T_first_current_; }

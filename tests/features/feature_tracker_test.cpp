@@ -288,6 +288,18 @@ TEST_F(FeatureTrackerTest, ANewCalibrationDoesNotEndTheTracks) {
   EXPECT_EQ(tracks_.camera, changed.calibration.camera);
 }
 
+TEST_F(FeatureTrackerTest, AnotherRectificationSeedsAgain) {
+  StereoPair first = pair_at(*world_, 0.0, 0);
+  first.calibration.images_are_raw = true;
+  track(first);
+  StereoPair turned = pair_at(*world_, 1.0 / kRate_hz, 1);
+  turned.calibration = first.calibration;
+  turned.calibration.right.R_rectified_raw =
+      Eigen::AngleAxisd(0.01, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  EXPECT_EQ(track(turned).status, TrackStatus::kReseeded);
+  EXPECT_TRUE(tracks_.discontinuity);
+}
+
 TEST_F(FeatureTrackerTest, UnequalOrEmptyImagesAreNotTracked) {
   track(pair(0));
   StereoPair broken = pair_at(*world_, 0.0, 1);

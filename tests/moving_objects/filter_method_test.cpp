@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -236,6 +237,71 @@ TEST_F(Filter, FailedPairsInBetweenAreBridged) {
   for (int pair = 25; pair < 28; ++pair) run(pair);
   ASSERT_EQ(moving(), 1);
   EXPECT_EQ(objects.objects.front().id, id);
+}
+
+TEST_F(Filter, RejectedPairsShowWhatIsKnownPredicted) {
+  rest_rig();
+  world.add_background(300);
+  world.add_box(40, {-0.5, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.5, 0.0, 0.0});
+  for (int pair = 0; pair < 20; ++pair) run(pair);
+  const MovingObject before = objects.objects.front();
+  TrackSet rejected;
+  rejected.camera = synthetic::kCamera;
+  rejected.sequence = 20;
+  rejected.exposure = world.exposure(20);
+  rejected.pair_status = PairStatus::kRejected;
+  rejected.status = TrackStatus::kNotRun;
+  Egomotion motion;
+  motion.status = EstimateStatus::kFailed;
+  detector.detect(rejected, motion, objects);
+  EXPECT_TRUE(objects.has_run);
+  ASSERT_EQ(count(ObjectState::kCoasting), 1);
+  const MovingObject& now = objects.objects.front();
+  EXPECT_EQ(now.points, 0);
+  EXPECT_NEAR(now.position_m.x() - before.position_m.x(), 0.5 / world.rate_hz, 2e-3);
+  EXPECT_NEAR(now.rectangle.u_min_px - before.rectangle.u_min_px, 525.0 * 0.1 / world.rate_hz, 0.3);
+  run(21);
+  ASSERT_EQ(moving(), 1);
+  EXPECT_EQ(objects.objects.front().id, before.id);
+}
+
+TEST_F(Filter, RectangleOfWhatIsPredictedOutOfViewIsEmpty) {
+  rest_rig();
+  world.add_background(300);
+  world.add_box(40, {2.0, 0.1, 4.0}, {0.5, 0.5, 0.4}, {1.5, 0.0, 0.0});
+  bool was_out_of_view = false;
+  for (int pair = 0; pair < 60; ++pair) {
+    run(pair);
+    for (const MovingObject& object : objects.objects) {
+      const bool empty = object.rectangle.u_max_px < object.rectangle.u_min_px;
+      was_out_of_view = was_out_of_view || empty;
+      EXPECT_TRUE(empty ||
+                  (object.rectangle.u_min_px >= 0.0F &&
+                   object.rectangle.u_max_px < static_cast<float>(synthetic::kCamera.width_px)));
+      EXPECT_TRUE(object.state != ObjectState::kMoving || !empty);
+    }
+  }
+  EXPECT_TRUE(was_out_of_view);
+}
+
+TEST_F(Filter, CovariancesStayCovariances) {
+  world.rig_velocity_mps = {0.0, 0.0, 0.3};
+  world.rig_yaw_rate_radps = 0.0;
+  world.add_background(200, 15.0, 30.0);
+  world.add_box(40, {-0.3, 0.1, 1.5}, {0.5, 0.5, 0.4}, {0.0, 0.0, 0.3});
+  int measured = 0;
+  for (int pair = 0; pair < 900; ++pair) {
+    run(pair);
+    for (const MovingObject& object : objects.objects) {
+      for (const Eigen::Matrix3d& C :
+           {object.position_covariance_m2, object.velocity_covariance_m2ps2}) {
+        ++measured;
+        ASSERT_LT((C - C.transpose()).norm(), 1e-9 * C.norm()) << "pair " << pair;
+        ASSERT_GT(C.ldlt().vectorD().minCoeff(), 0.0) << "pair " << pair;
+      }
+    }
+  }
+  EXPECT_GT(measured, 200);
 }
 
 TEST_F(Filter, ResetForgetsThePast) {

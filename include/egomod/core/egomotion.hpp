@@ -31,6 +31,7 @@ enum class EstimateReason : std::uint8_t {
   kHole,          // composed over a hole in the stream
   kReseeded,      // no track bridges the hole: no motion assumed, covariance inflated
   kMoverDominates,
+  kRecalibrated,  // the calibration changed: no motion assumed, covariance inflated
 };
 
 enum class TrackRole : std::uint8_t {

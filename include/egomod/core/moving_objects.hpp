@@ -24,7 +24,7 @@ struct PointMotion {
   float motion_probability = 0.0F;
 };
 
-// Inclusive pixel rectangle in the rectified left image.
+// Inclusive pixel rectangle in the rectified left image; empty where u_max_px < u_min_px.
 struct PixelRect {
   float u_min_px = 0.0F;
   float v_min_px = 0.0F;

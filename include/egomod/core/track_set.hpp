@@ -50,7 +50,7 @@ struct TrackSet {
   Nanoseconds exposure{0};
   Nanoseconds previous_exposure{0};  // of the pair that Track::previous belongs to
   PairStatus pair_status = PairStatus::kOk;
-  bool discontinuity = false;
+  bool discontinuity = false;  // none of the tracks reaches back beyond this pair
   TrackStatus status = TrackStatus::kOk;
   StereoCamera camera;
   std::vector<Track> tracks;  // ascending id

@@ -55,12 +55,14 @@ class EgomotionEstimator {
  private:
   void begin(const TrackSet& tracks, Egomotion& motion) const;
   void repeat_pose(const TrackSet& tracks, Egomotion& motion);
-  void start_anew(const TrackSet& tracks, Egomotion& motion);
+  [[nodiscard]] EstimateReason reason_to_start_anew(const TrackSet& tracks) const;
+  void start_anew(EstimateReason reason, const TrackSet& tracks, Egomotion& motion);
   void follow(const TrackSet& tracks, Egomotion& motion);
   void finish(Egomotion& motion) const;
 
   void advance_to(const TrackSet& tracks, Egomotion& motion);
   void gather(const TrackSet& tracks);
+  [[nodiscard]] bool is_cut_off(const TrackSet& tracks) const;
   [[nodiscard]] bool find_past(const StereoCamera& camera, const Track& track, std::size_t index,
                                const Eigen::Isometry3d& T_previous_first, Correspondence& c) const;
   [[nodiscard]] Solution solve(const TrackSet& tracks);
@@ -72,7 +74,7 @@ class EgomotionEstimator {
                                  Egomotion& motion);
   void accept(const TrackSet& tracks, const Solution& solution, Egomotion& motion);
   void doubt(const Solution& other, Egomotion& motion);
-  void fail(EstimateReason reason, Egomotion& motion);
+  void fail(EstimateReason reason, const TrackSet& tracks, Egomotion& motion);
 
   void keep_velocity(const Egomotion& motion);
   void adapt_noise_scale(const Eigen::Isometry3d& T_current_previous);
@@ -96,6 +98,9 @@ class EgomotionEstimator {
   double noise_scale_ = 1.0;  // of the observations' covariances, learnt from the residuals
 
   bool started_ = false;
+  StereoCamera camera_;
+  bool is_lost_ = false;        // what is known of the past can no longer be used
+  int contradicted_pairs_ = 0;  // in a row, that no motion against the map explains
   bool has_velocity_ = false;
   std::uint64_t last_tracked_sequence_ = 0;
   std::uint64_t skipped_ = 0;          // by capture.max_rate_hz since then
