@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "gallery.hpp"
 #include "recorder.hpp"
 #include "world_file.hpp"
 
@@ -17,6 +18,7 @@ struct Arguments {
   std::string world;
   std::string folder;
   std::string log;
+  std::string gallery;
   std::optional<std::uint32_t> seed;
   std::optional<double> duration_s;
   FolderOptions options;
@@ -46,6 +48,10 @@ void run(const Arguments& arguments) {
     for (const std::string& name : worlds_in(world_folder())) std::puts(name.c_str());
     return;
   }
+  if (!arguments.gallery.empty()) {
+    write_gallery(world_folder(), arguments.gallery);
+    return;
+  }
   if (arguments.world.empty()) throw WorldError("which world? --list shows them");
   if (arguments.folder.empty() && arguments.log.empty()) {
     throw WorldError("nothing to write: give --out DIR, --log FILE or both");
@@ -63,7 +69,7 @@ int main(int argc, char** argv) {
   app.add_option(
       "--out", arguments.folder,
       "Folder of the KITTI odometry layout, with poses.txt and objects.csv; overwritten");
-  app.add_option("--log", arguments.log, "LCM log of calibration and images; overwritten");
+  app.add_option("--log", arguments.log, "LCM log of calibration, images and truth; overwritten");
   app.add_option("--seed", arguments.seed, "Of textures and noise (default: the world's)");
   app.add_option("--duration", arguments.duration_s, "End earlier, seconds")
       ->check(CLI::PositiveNumber);
@@ -71,6 +77,8 @@ int main(int argc, char** argv) {
                "Write depth_0 too: 16-bit PNG, millimetres (needs --out)");
   app.add_flag("--masks", arguments.options.masks,
                "Write mask_0 too: 8-bit PNG, object ids (needs --out)");
+  app.add_option("--gallery", arguments.gallery,
+                 "PNG with a picture of each installed world; overwritten");
   app.add_flag("--list", arguments.list, "Print the names of the worlds that are installed");
   try {
     app.parse(argc, argv);
