@@ -73,10 +73,10 @@ int main(int argc, char** argv) {
   app.add_option("--seed", arguments.seed, "Of textures and noise (default: the world's)");
   app.add_option("--duration", arguments.duration_s, "End earlier, seconds")
       ->check(CLI::PositiveNumber);
-  app.add_flag("--depth", arguments.options.depth,
-               "Write depth_0 too: 16-bit PNG, millimetres (needs --out)");
-  app.add_flag("--masks", arguments.options.masks,
-               "Write mask_0 too: 8-bit PNG, object ids (needs --out)");
+  app.add_flag("--depth", arguments.options.depth, "Write depth_0 too: 16-bit PNG, millimetres")
+      ->needs("--out");
+  app.add_flag("--masks", arguments.options.masks, "Write mask_0 too: 8-bit PNG, object ids")
+      ->needs("--out");
   app.add_option("--gallery", arguments.gallery,
                  "PNG with a picture of each installed world; overwritten");
   app.add_flag("--list", arguments.list, "Print the names of the worlds that are installed");
