@@ -9,6 +9,7 @@
 
 #include "gallery.hpp"
 #include "recorder.hpp"
+#include "speed.hpp"
 #include "world_file.hpp"
 
 namespace egomod::sim {
@@ -23,6 +24,7 @@ struct Arguments {
   std::optional<double> duration_s;
   FolderOptions options;
   bool list = false;
+  bool speed = false;
 };
 
 World chosen_world(const Arguments& arguments) {
@@ -53,6 +55,11 @@ void run(const Arguments& arguments) {
     return;
   }
   if (arguments.world.empty()) throw WorldError("which world? --list shows them");
+  if (arguments.speed) {
+    Simulator simulator(chosen_world(arguments));
+    fmt::print("{}", measure_speed(simulator));
+    return;
+  }
   if (arguments.folder.empty() && arguments.log.empty()) {
     throw WorldError("nothing to write: give --out DIR, --log FILE or both");
   }
@@ -79,6 +86,7 @@ int main(int argc, char** argv) {
       ->needs("--out");
   app.add_option("--gallery", arguments.gallery,
                  "PNG with a picture of each installed world; overwritten");
+  app.add_flag("--speed", arguments.speed, "Write nothing; tell how fast pairs and truth come");
   app.add_flag("--list", arguments.list, "Print the names of the worlds that are installed");
   try {
     app.parse(argc, argv);

@@ -78,7 +78,6 @@ class Simulator {
   Sensor sensor_;
   double first_s_;  // of the first left image
   Image canvas_;
-  Buffers alone_;
 };
 
 }  // namespace egomod::sim
