@@ -27,10 +27,10 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& o) {
-  app.add_option(
-      "--truth", o.truths,
-      "folder of the truth: times.txt, poses.txt, objects.csv, calib.txt; once for each run; "
-      "records of --source sim hold their own");
+  app.add_option("--truth", o.truths,
+                 "folder of the truth: times.txt, poses.txt, objects.csv, calib.txt, mask_0, "
+                 "depth_0, as far "
+                 "as they are there; once for each run; records of --source sim hold their own");
   app.add_option("--record", o.records, "record of egomodd, one for each truth");
   app.add_option("--result", o.results,
                  "folder as egomod-log export writes it, one for each truth");

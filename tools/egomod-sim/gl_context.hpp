@@ -76,7 +76,8 @@ struct Gl {
 // Throws GlError.
 class GlContext {
  public:
-  GlContext();
+  static constexpr const char* kLibrary = "libEGL.so.1";
+  explicit GlContext(const char* library = kLibrary);
   ~GlContext();
   GlContext(const GlContext&) = delete;
   GlContext& operator=(const GlContext&) = delete;

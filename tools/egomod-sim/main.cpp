@@ -7,8 +7,10 @@
 #include <optional>
 #include <string>
 
+#include "gallery.hpp"
 #include "recorder.hpp"
 #include "serve.hpp"
+#include "speed.hpp"
 #include "world_file.hpp"
 
 namespace egomod::sim {
@@ -18,11 +20,13 @@ struct Arguments {
   std::string world;
   std::string folder;
   std::string log;
+  std::string gallery;
   std::optional<std::uint32_t> seed;
   std::optional<double> duration_s;
   FolderOptions options;
   ServeOptions serve;
   bool list = false;
+  bool speed = false;
 };
 
 World chosen_world(const Arguments& arguments) {
@@ -35,10 +39,15 @@ World chosen_world(const Arguments& arguments) {
   return world;
 }
 
-void record(const Arguments& arguments) {
-  Simulator simulator(chosen_world(arguments));
-  const World& world = simulator.world();
+World finite_world(const Arguments& arguments) {
+  World world = chosen_world(arguments);
   if (world.is_endless()) throw WorldError(world.name + ": is endless; give --duration SECONDS");
+  return world;
+}
+
+void record(const Arguments& arguments) {
+  Simulator simulator(finite_world(arguments));
+  const World& world = simulator.world();
   const RecordingSummary done =
       record(simulator, {arguments.folder, arguments.log, arguments.options});
   fmt::print("{}: {} left and {} right images of {}x{}, {:.1f} pairs/s, on {}\n", world.name,
@@ -51,10 +60,19 @@ void run(const Arguments& arguments) {
     for (const std::string& name : worlds_in(world_folder())) std::puts(name.c_str());
     return;
   }
+  if (!arguments.gallery.empty()) {
+    write_gallery(world_folder(), arguments.gallery);
+    return;
+  }
   if (arguments.world.empty()) throw WorldError("which world? --list shows them");
   if (arguments.serve.socket >= 0) {
     Simulator simulator(chosen_world(arguments));
     return serve(simulator, arguments.serve);
+  }
+  if (arguments.speed) {
+    Simulator simulator(finite_world(arguments));
+    fmt::print("{}", measure_speed(simulator));
+    return;
   }
   if (arguments.folder.empty() && arguments.log.empty()) {
     throw WorldError("nothing to write: give --out DIR, --log FILE or both");
@@ -72,14 +90,17 @@ int main(int argc, char** argv) {
   app.add_option(
       "--out", arguments.folder,
       "Folder of the KITTI odometry layout, with poses.txt and objects.csv; overwritten");
-  app.add_option("--log", arguments.log, "LCM log of calibration and images; overwritten");
+  app.add_option("--log", arguments.log, "LCM log of calibration, images and truth; overwritten");
   app.add_option("--seed", arguments.seed, "Of textures and noise (default: the world's)");
   app.add_option("--duration", arguments.duration_s, "End earlier, seconds")
       ->check(CLI::PositiveNumber);
-  app.add_flag("--depth", arguments.options.depth,
-               "Write depth_0 too: 16-bit PNG, millimetres (needs --out)");
-  app.add_flag("--masks", arguments.options.masks,
-               "Write mask_0 too: 8-bit PNG, object ids (needs --out)");
+  app.add_flag("--depth", arguments.options.depth, "Write depth_0 too: 16-bit PNG, millimetres")
+      ->needs("--out");
+  app.add_flag("--masks", arguments.options.masks, "Write mask_0 too: 8-bit PNG, object ids")
+      ->needs("--out");
+  app.add_option("--gallery", arguments.gallery,
+                 "PNG with a picture of each installed world; overwritten");
+  app.add_flag("--speed", arguments.speed, "Write nothing; tell how fast pairs and truth come");
   auto* serve =
       app.add_option("--serve", arguments.serve.socket,
                      "For egomodd --source sim, which starts this program: the socket to it");

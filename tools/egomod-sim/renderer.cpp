@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <limits>
 
 namespace egomod::sim {
 namespace {
@@ -248,7 +250,6 @@ void Renderer::draw_body(const Program& program, const Body& body, GLint first,
 void Renderer::draw_view(std::span<const Program> programs, const Pinhole& camera, const View& view,
                          int only_id) const {
   gl_.Viewport(0, view.canvas_row - view.first_row, camera.width_px, camera.height_px);
-  gl_.Scissor(0, view.canvas_row, camera.width_px, view.end_row - view.first_row);
   const Eigen::Matrix4d P = projection(camera) * view.T_camera_world.matrix();
   Placement placement = rows_of(camera, view);
   GLint first = 0;
@@ -275,7 +276,10 @@ void Renderer::draw(const Canvas& canvas, const Pinhole& camera,
   gl_.ClearBufferfv(GL_COLOR, 0, sky.data());
   clear_depth();
   gl_.Enable(GL_SCISSOR_TEST);
-  for (const View& view : views) draw_view(shade_, camera, view, kAll);
+  for (const View& view : views) {
+    gl_.Scissor(0, view.canvas_row, camera.width_px, view.end_row - view.first_row);
+    draw_view(shade_, camera, view, kAll);
+  }
   gl_.Disable(GL_SCISSOR_TEST);
   gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, canvas.resolved);
   gl_.BlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
@@ -293,7 +297,7 @@ void Renderer::read(const Canvas& canvas, Image& out) const {
   check("reading an image");
 }
 
-void Renderer::render_buffers(double t_s, const Eigen::Isometry3d& T_camera_world, int only_id,
+void Renderer::render_buffers(double t_s, const Eigen::Isometry3d& T_camera_world,
                               Buffers& out) const {
   const auto [width, height] = std::pair{truth_.width_px, truth_.height_px};
   gl_.BindFramebuffer(GL_FRAMEBUFFER, buffers_);
@@ -303,7 +307,7 @@ void Renderer::render_buffers(double t_s, const Eigen::Isometry3d& T_camera_worl
   gl_.ClearBufferuiv(GL_COLOR, 0, nothing.data());
   gl_.ClearBufferfv(GL_COLOR, 1, nowhere.data());
   clear_depth();
-  draw_view({&identify_, 1}, truth_, {t_s, T_camera_world, 0, height, 0}, only_id);
+  draw_view({&identify_, 1}, truth_, {t_s, T_camera_world, 0, height, 0}, kAll);
   const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   out.ids.resize(pixels);
   out.depth_m.resize(pixels);
@@ -312,6 +316,53 @@ void Renderer::render_buffers(double t_s, const Eigen::Isometry3d& T_camera_worl
   gl_.ReadBuffer(GL_COLOR_ATTACHMENT1);
   gl_.ReadPixels(0, 0, width, height, GL_RED, GL_FLOAT, out.depth_m.data());
   check("rendering ids and depth");
+}
+
+// Around the corners of their patches; the whole image where one lies behind the camera.
+PixelBox Renderer::box_of(double t_s, const Eigen::Isometry3d& T_camera_world, int id) const {
+  const Pinhole& c = truth_;
+  Eigen::Array2d low = Eigen::Array2d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Array2d high = -low;
+  for (const Body& body : scene_.bodies) {
+    if (body.id != id) continue;
+    const Eigen::Isometry3d T = T_camera_world * body.T_world_body(t_s);
+    for (const Patch& patch : body.patches) {
+      for (int i = 0; i < 4; ++i) {
+        const Eigen::Vector3d P =
+            T * (patch.corner_m + (i & 1) * patch.edge_s_m + (i >> 1) * patch.edge_t_m);
+        if (P.z() < kNear_m) return {0, 0, c.width_px - 1, c.height_px - 1};
+        const Eigen::Array2d pixel(c.fx_px * P.x() / P.z() + c.cx_px,
+                                   c.fy_px * P.y() / P.z() + c.cy_px);
+        low = low.min(pixel);
+        high = high.max(pixel);
+      }
+    }
+  }
+  const Eigen::Array2d last(c.width_px - 1, c.height_px - 1);
+  const Eigen::Array2i from = low.floor().max(0.0).min(last + 1.0).cast<int>();
+  const Eigen::Array2i to = high.ceil().max(-1.0).min(last).cast<int>();
+  return {from.x(), from.y(), to.x(), to.y()};
+}
+
+int Renderer::count_alone(double t_s, const Eigen::Isometry3d& T_camera_world, int id) {
+  const PixelBox box = box_of(t_s, T_camera_world, id);
+  const int width = box.last_column - box.first_column + 1;
+  const int height = box.last_row - box.first_row + 1;
+  if (width <= 0 || height <= 0) return 0;
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, buffers_);
+  gl_.Enable(GL_SCISSOR_TEST);
+  gl_.Scissor(box.first_column, box.first_row, width, height);
+  const std::array<GLuint, 4> nothing{};
+  gl_.ClearBufferuiv(GL_COLOR, 0, nothing.data());
+  clear_depth();
+  draw_view({&identify_, 1}, truth_, {t_s, T_camera_world, 0, truth_.height_px, 0}, id);
+  gl_.Disable(GL_SCISSOR_TEST);
+  alone_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  gl_.ReadBuffer(GL_COLOR_ATTACHMENT0);
+  gl_.ReadPixels(box.first_column, box.first_row, width, height, GL_RED_INTEGER, GL_UNSIGNED_BYTE,
+                 alone_.data());
+  check("counting pixels");
+  return static_cast<int>(std::ranges::count(alone_, static_cast<std::uint8_t>(id)));
 }
 
 }  // namespace egomod::sim

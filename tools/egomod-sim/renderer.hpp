@@ -41,6 +41,14 @@ struct Placement {
   float high = 1.0F;
 };
 
+// Inclusive; empty where the first exceeds the last.
+struct PixelBox {
+  int first_column = 0;
+  int first_row = 0;
+  int last_column = 0;
+  int last_row = 0;
+};
+
 // What a camera sees, pixel by pixel (row-major, at pixel centres).
 struct Buffers {
   std::vector<float> depth_m;     // 0 where nothing is hit
@@ -67,10 +75,9 @@ class Renderer {
   void draw(const Canvas& canvas, const Pinhole& camera, std::span<const View> views) const;
   void read(const Canvas& canvas, Image& out) const;
 
-  // Ids and depth; of one body id alone, or of all with kAll.
-  static constexpr int kAll = -1;
-  void render_buffers(double t_s, const Eigen::Isometry3d& T_camera_world, int only_id,
-                      Buffers& out) const;
+  void render_buffers(double t_s, const Eigen::Isometry3d& T_camera_world, Buffers& out) const;
+  // Pixels that the bodies of this id would show if they were alone.
+  [[nodiscard]] int count_alone(double t_s, const Eigen::Isometry3d& T_camera_world, int id);
   [[nodiscard]] std::string device() const { return context_.renderer(); }
 
  private:
@@ -89,8 +96,10 @@ class Renderer {
   void clear_depth() const;
   void draw_body(const Program& program, const test_support::Body& body, GLint first,
                  const Placement& placement) const;
+  static constexpr int kAll = -1;
   void draw_view(std::span<const Program> programs, const Pinhole& camera, const View& view,
                  int only_id) const;
+  [[nodiscard]] PixelBox box_of(double t_s, const Eigen::Isometry3d& T_camera_world, int id) const;
   void check(const char* what) const;
 
   GlContext context_;
@@ -100,6 +109,7 @@ class Renderer {
   std::array<Program, 2> shade_;
   Program identify_;
   GLuint buffers_ = 0;
+  std::vector<std::uint8_t> alone_;
   std::vector<GLuint> textures_;
 };
 

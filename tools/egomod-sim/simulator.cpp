@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulator.hpp"
 
-#include <algorithm>
-
 namespace egomod::sim {
 namespace {
 
@@ -142,10 +140,8 @@ ObjectState Simulator::state_of(const SceneObject& object, double t_s, const Buf
   truth.moving = truth.velocity_mps.norm() > kResting_mps ||
                  truth.angular_velocity_radps.norm() > kResting_radps;
   if (truth.visible_px > 0) {
-    renderer_.render_buffers(t_s, T_world_camera.inverse(), object.id, alone_);
-    const auto alone = std::ranges::count(alone_.ids, static_cast<std::uint8_t>(object.id));
-    truth.occluded_fraction =
-        1.0 - static_cast<double>(truth.visible_px) / static_cast<double>(alone);
+    const int alone = renderer_.count_alone(t_s, T_world_camera.inverse(), object.id);
+    truth.occluded_fraction = 1.0 - static_cast<double>(truth.visible_px) / alone;
   }
   const Eigen::Matrix3d R_camera_object = R_camera_world * object.T_world_object(t_s).linear();
   return {truth, object.kind, R_camera_object.cwiseAbs() * object.size_m};
@@ -158,7 +154,7 @@ void Simulator::take_truth(std::uint64_t number, Truth& truth) {
   const Trajectory& rig = built_.scene.T_world_camera;
   const Eigen::Isometry3d T_world_camera = rig(t_s);
   const auto motion = test_support::motion_of(rig, t_s, T_world_camera.translation());
-  renderer_.render_buffers(t_s, T_world_camera.inverse(), Renderer::kAll, truth.buffers);
+  renderer_.render_buffers(t_s, T_world_camera.inverse(), truth.buffers);
   truth.T_first_current = *T_first_world_ * T_world_camera;
   truth.velocity_mps = T_world_camera.linear().transpose() * motion.velocity_mps;
   truth.angular_velocity_radps = T_world_camera.linear().transpose() * motion.angular_radps;

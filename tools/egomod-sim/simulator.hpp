@@ -90,7 +90,6 @@ class Simulator {
   double first_s_;                                  // of the first left image
   std::optional<Eigen::Isometry3d> T_first_world_;  // its camera's pose
   Image canvas_;
-  Buffers alone_;
 };
 
 }  // namespace egomod::sim

@@ -25,7 +25,7 @@ Eigen::Vector3d size_m(const Thing& thing) {
     case ThingKind::kPioneer:
       return {0.44, 0.75, 0.50};
     case ThingKind::kPerson:
-      return {0.64, 1.72, 0.50};
+      return {0.61, 1.73, 0.50};
     case ThingKind::kCar:
       return {1.76, 1.45, 4.20};
     case ThingKind::kBox:

@@ -72,12 +72,12 @@ struct Shell {
   double length_m = 12.0;
   double height_m = 2.8;
   double rear_m = 1.0;
-  std::string left = "plaster";
-  std::string right = "plaster";
+  std::string left = "wall";
+  std::string right = "wall";
   std::string front = "bricks";
   std::string back = "bricks";
   std::string floor = "tiles";
-  std::string ceiling = "plaster";
+  std::string ceiling = "ceiling";
 };
 
 enum class Wall { kLeft, kRight, kFront, kBack };

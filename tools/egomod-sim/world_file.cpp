@@ -11,6 +11,7 @@
 #include "drive_file.hpp"
 #include "materials.hpp"
 #include "table_reader.hpp"
+#include "world_check.hpp"
 
 namespace egomod::sim {
 namespace {
@@ -18,8 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kFar_m = 1000.0;
-constexpr double kCheck_s = 0.05;
-constexpr double kCheckedOfEndless_s = 3600.0;
 constexpr double kMaxSpeed_mps = 50.0;
 
 void read_profile(TableReader& in, SpeedProfile& p) {
@@ -95,25 +94,6 @@ void read_wobble(TableReader& in, Wobble& wobble) {
   wobble.wavelength_m = in.number("wavelength_m", wobble.wavelength_m, 0.01, 100.0);
 }
 
-// Whether a circle of this radius leaves the floor, and when.
-void check_inside(const World& world, const Motion& motion, double radius_m, TableReader& in) {
-  const Shell& s = world.shell;
-  const double checked_s = world.is_endless() ? kCheckedOfEndless_s : world.duration_s;
-  for (double t = 0.0; t < checked_s; t += kCheck_s) {
-    const PlanPose at = pose_at(motion, t);
-    if (std::abs(at.x_m) + radius_m <= 0.5 * s.width_m && at.z_m - radius_m >= -s.rear_m &&
-        at.z_m + radius_m <= s.length_m - s.rear_m) {
-      continue;
-    }
-    in.fail(
-        "motion",
-        fmt::format("at {:.2f} s it is outside the world: x {:.2f}, z {:.2f} m, with {:.2f} m "
-                    "round it; the floor reaches from x {:.2f} to {:.2f} and z {:.2f} to {:.2f}",
-                    t, at.x_m, at.z_m, radius_m, -0.5 * s.width_m, 0.5 * s.width_m, -s.rear_m,
-                    s.length_m - s.rear_m));
-  }
-}
-
 void read_rig_motion(TableReader& in, World& world) {
   Rig& rig = world.rig;
   if (!in.has("driven")) return read_required_motion(in, rig.motion);
@@ -130,7 +110,8 @@ void read_rig(TableReader& in, World& world) {
   rig.pitch_rad = degrees(in, "pitch_deg", 60.0);
   read_rig_motion(in, world);
   in.table("wobble", [&](TableReader& table) { read_wobble(table, rig.wobble); });
-  check_inside(world, rig.motion, 0.1, in);
+  const char* const way = rig.driven ? "driven" : "motion";
+  if (const auto fault = fault_of_rig(world)) in.fail(way, *fault);
   if (rig.height_m >= world.shell.height_m) in.fail("height_m", "is above the ceiling");
 }
 
@@ -150,7 +131,7 @@ void read_shell(TableReader& in, Shell& shell) {
              .right = "facade",
              .front = "facade",
              .back = "facade",
-             .floor = "asphalt"};
+             .floor = "road"};
   shell.width_m = in.number("width_m", std::nullopt, 0.5, kFar_m);
   shell.length_m = in.number("length_m", std::nullopt, 0.5, kFar_m);
   shell.height_m = in.number("height_m", street ? 9.0 : 2.8, 0.5, 100.0);
@@ -199,11 +180,7 @@ void read_furniture(TableReader& in, World& world) {
   Thing thing;
   read_box(in, world, thing);
   thing.motion.path = endless_path(read_place(in), 0.0);
-  const PlanPose at = thing.motion.path.front().start;
-  const Shell& s = world.shell;
-  if (std::abs(at.x_m) > 0.5 * s.width_m || at.z_m < -s.rear_m || at.z_m > s.length_m - s.rear_m) {
-    in.fail("position_m", "is outside the world");
-  }
+  if (const auto fault = fault_of_thing(world, thing)) in.fail("position_m", *fault);
   world.things.push_back(thing);
 }
 
@@ -214,8 +191,7 @@ void read_object(TableReader& in, World& world, int id) {
       static_cast<ThingKind>(in.choice("kind", {"box", "pioneer", "person", "car"}, std::nullopt));
   if (thing.kind == ThingKind::kBox) read_box(in, world, thing);
   read_required_motion(in, thing.motion);
-  const Eigen::Vector3d size = size_m(thing);
-  check_inside(world, thing.motion, 0.5 * std::min(size.x(), size.z()), in);
+  if (const auto fault = fault_of_thing(world, thing)) in.fail("motion", *fault);
   world.things.push_back(thing);
 }
 
