@@ -135,7 +135,8 @@ void read_shell(TableReader& in, Shell& shell) {
   shell.width_m = in.number("width_m", std::nullopt, 0.5, kFar_m);
   shell.length_m = in.number("length_m", std::nullopt, 0.5, kFar_m);
   shell.height_m = in.number("height_m", street ? 9.0 : 2.8, 0.5, 100.0);
-  shell.rear_m = in.number("rear_m", shell.rear_m, 0.0, shell.length_m);
+  shell.rear_m = in.number("rear_m", shell.rear_m, 0.0, kFar_m);
+  if (shell.rear_m > shell.length_m) in.fail("rear_m", "is more than length_m");
   for (auto [key, field] : {std::pair{"left", &Shell::left}, std::pair{"right", &Shell::right},
                             std::pair{"front", &Shell::front}, std::pair{"back", &Shell::back},
                             std::pair{"floor", &Shell::floor}}) {
