@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <egomod/truth_object_list_t.hpp>
 #include <egomod/truth_pose_t.hpp>
@@ -26,9 +27,12 @@ namespace {
 
 namespace fs = std::filesystem;
 namespace protocol = sim_protocol;
+using Clock = std::chrono::steady_clock;
 
 constexpr const char* kProgram = "egomod-sim";
 constexpr const char* kDefaultWorld = "crossing";
+// Long enough to be asked for; what is said once is news once.
+constexpr std::chrono::seconds kNoticeStands{2};
 
 std::vector<std::string> arguments_of(const SimSettings& settings) {
   std::vector<std::string> arguments{"--serve", std::to_string(protocol::kSocket)};
@@ -96,7 +100,7 @@ class SimSource final : public FrameSource {
   [[nodiscard]] std::string error() const override { return error_; }
   [[nodiscard]] std::string notice() const override {
     const std::lock_guard lock(notice_mutex_);
-    return notice_;
+    return Clock::now() - noticed_ < kNoticeStands ? notice_ : std::string();
   }
   [[nodiscard]] SourceCounters counters() const override {
     return {.lost_images = lost_, .dropped_images = dropped_};
@@ -152,7 +156,7 @@ class SimSource final : public FrameSource {
     }
     Arrived& arrived = arrived_[shot.slot];
     arrived.shot = shot;
-    arrived.arrival = std::chrono::steady_clock::now().time_since_epoch();
+    arrived.arrival = Clock::now().time_since_epoch();
     const auto pose = truth.first(shot.truth_pose_bytes);
     const auto objects = truth.subspan(shot.truth_pose_bytes);
     if (is_left) {
@@ -238,6 +242,7 @@ class SimSource final : public FrameSource {
     if (!news) return;
     const std::lock_guard lock(notice_mutex_);
     notice_ = *news;
+    noticed_ = Clock::now();
   }
 
   const bool realtime_;
@@ -257,6 +262,7 @@ class SimSource final : public FrameSource {
   std::atomic<std::uint64_t> dropped_{0};
   mutable std::mutex notice_mutex_;
   std::string notice_;
+  Clock::time_point noticed_{};
 };
 
 bool is_program(const fs::path& file) {
