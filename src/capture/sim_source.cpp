@@ -118,7 +118,10 @@ class SimSource final : public FrameSource {
         give_back(*decision);
         return SourceState::kPair;
       }
-      if (has_ended_) return SourceState::kEnd;
+      if (end_) {
+        count_missing(std::max(end_->left_images, next_sequence_), 0);
+        return SourceState::kEnd;
+      }
       if (!has_asked_) ask();
       if (link_.wait(stop) == SimLink::Event::kStopped) return SourceState::kStopped;
       take_packet();
@@ -139,7 +142,7 @@ class SimSource final : public FrameSource {
         has_asked_ = false;
         return;
       case protocol::Kind::kEnd:
-        has_ended_ = true;
+        end_ = link_.read<protocol::End>();
         return pairing_.end();
       default:
         SimLink::fail_as_garbage("a packet of an unknown kind");
@@ -255,7 +258,7 @@ class SimSource final : public FrameSource {
   std::array<Arrived, protocol::kSlots> arrived_;
   std::uint32_t free_slots_ = 0;
   bool has_asked_ = false;
-  bool has_ended_ = false;
+  std::optional<protocol::End> end_;
   std::uint64_t next_sequence_ = 0;
   std::string error_;
   std::atomic<std::uint64_t> lost_{0};

@@ -115,6 +115,7 @@ TEST(SimSource, CountsALeftImageThatNeverCame) {
   }
   EXPECT_EQ(source->next(pair, {}), SourceState::kEnd);
   EXPECT_EQ(source->counters().lost_images, 1U);
+  EXPECT_EQ(source->counters().dropped_images, 0U);
 }
 
 TEST(SimSource, TellsWhatTheSimulatorHadNoTimeForFromWhatGotLost) {
@@ -126,6 +127,8 @@ TEST(SimSource, TellsWhatTheSimulatorHadNoTimeForFromWhatGotLost) {
     EXPECT_EQ(pair.utime_us(), fake_simulator::exposure_us(i < 2 ? i : i + 3));
   }
   EXPECT_EQ(source->counters().dropped_images, 3U);
+  EXPECT_EQ(source->next(pair, {}), SourceState::kEnd);
+  EXPECT_EQ(source->counters().dropped_images, 5U) << "the last ones count too";
   EXPECT_EQ(source->counters().lost_images, 0U);
 }
 

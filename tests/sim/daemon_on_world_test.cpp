@@ -280,7 +280,7 @@ TEST_F(DaemonOnWorld, DrivesTheRigByCommandsFromTheBusForAsLongAsItIsWanted) {
   const pid_t daemon = start_program(
       {EGOMODD, "--source", "sim:" + world(kDriven, 0.0), "--lcm-url", kUrl, "--record", file},
       output);
-  while (commander.last.x < 0.3 && commander.bus.handleTimeout(20'000) > 0) {
+  while (commander.last.x < 0.3 && commander.bus.handleTimeout(60'000) > 0) {
   }
   EXPECT_GE(commander.last.x, 0.3) << read(output);
   kill(daemon, SIGTERM);

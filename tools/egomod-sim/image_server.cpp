@@ -123,9 +123,14 @@ void ImageServer::send(protocol::Eye eye, std::uint64_t sequence, std::int64_t e
   send({bytes_of(shot), truth.pose, truth.objects});
 }
 
-void ImageServer::send(protocol::Kind kind) {
-  const protocol::Signal signal{.kind = kind};
-  send({bytes_of(signal), {}, {}});
+void ImageServer::answer() {
+  const protocol::Signal answered{.kind = protocol::Kind::kAnswered};
+  send({bytes_of(answered), {}, {}});
+}
+
+void ImageServer::end(std::uint64_t left_images) {
+  const protocol::End end{.left_images = left_images};
+  send({bytes_of(end), {}, {}});
 }
 
 }  // namespace egomod::sim

@@ -44,7 +44,8 @@ class ImageServer {
   // Where no slot is free the image is left out. Truth goes with left images.
   void send(sim_protocol::Eye eye, std::uint64_t sequence, std::int64_t exposure_us,
             const Image& image, const Truth& truth = {});
-  void send(sim_protocol::Kind kind);
+  void answer();
+  void end(std::uint64_t left_images);
 
  private:
   void send_hello(const Calibration& calibration, std::uint64_t pairs, int memory);

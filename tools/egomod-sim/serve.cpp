@@ -35,13 +35,14 @@ class Session {
 
   void run() {
     while (const auto delivery = deliveries_.next()) {
+      left_images_ += delivery->eye == Eye::kLeft ? 1 : 0;
       if (is_out_of_date(*delivery)) continue;
       if (!wait_for(*delivery)) return;
       drive(delivery->exposure.t_s);
       show(*delivery);
-      if (!realtime_) server_.send(protocol::Kind::kAnswered);
+      if (!realtime_) server_.answer();
     }
-    server_.send(protocol::Kind::kEnd);
+    server_.end(left_images_);
   }
 
  private:
@@ -114,6 +115,7 @@ class Session {
   Deliveries deliveries_;
   std::optional<BaseLink> link_;
   std::optional<Clock::time_point> begin_;
+  std::uint64_t left_images_ = 0;
   Image left_;
   Image right_;
   Truth truth_;

@@ -14,7 +14,7 @@
 //   egomod-sim  Shot: an image lies in a slot; behind a left one truth_pose_t and
 //               truth_object_list_t
 //   egomod-sim  Signal, kAnswered: that was all, which may be less than two images
-//   egomod-sim  Signal, kEnd: the world is over
+//   egomod-sim  End: the world is over
 //
 // In lockstep the world stands still until it is requested. By the wall clock the first request
 // starts it, the later ones only say which slots are free, and none is answered. Calibration and
@@ -59,13 +59,20 @@ struct Shot {
 };
 
 struct Signal {
+  Kind kind = Kind::kAnswered;
+};
+
+struct End {
   Kind kind = Kind::kEnd;
+  std::uint32_t reserved = 0;
+  std::uint64_t left_images = 0;  // of the whole world, also those that were left out
 };
 
 template <typename Packet>
 inline constexpr bool is_packet =
     std::is_trivially_copyable_v<Packet>&& std::has_unique_object_representations_v<Packet>;
-static_assert(is_packet<Hello> && is_packet<Request> && is_packet<Shot> && is_packet<Signal>);
+static_assert(is_packet<Hello> && is_packet<Request> && is_packet<Shot> && is_packet<Signal> &&
+              is_packet<End>);
 static_assert(kSlots <= 32, "Request::free_slots has a bit for each");
 
 }  // namespace egomod::sim_protocol
