@@ -122,7 +122,7 @@ std::optional<std::string> fault_of_thing(const World& world, const Thing& thing
   if (const auto fault = leaves_floor(world, footprint)) return fault;
   // Nobody knows yet where a driven rig will be.
   if (!world.rig.driven) {
-    const auto fault = runs_into(world, footprint, footprint_of(world.rig), "the rig");
+    auto fault = runs_into(world, footprint, footprint_of(world.rig), "the rig");
     if (fault) return fault;
   }
   if (thing.id == 0) return std::nullopt;  // furniture may be built of several pieces
