@@ -125,8 +125,8 @@ Paint wood(std::uint32_t seed) {
 }  // namespace
 
 std::vector<std::string> material_names() {
-  return {"asphalt", "bricks", "carton", "ceiling", "concrete", "facade", "plain",
-          "plaster", "poster", "road",   "shelf",   "tiles",    "wall",   "wood"};
+  return {"asphalt", "boards", "bricks", "carton", "concrete", "facade",    "plain", "plaster",
+          "poster",  "road",   "shelf",  "tiles",  "wall",     "whitewash", "wood"};
 }
 
 Paint material(const std::string& name, double width_m, double height_m, std::uint32_t seed) {
