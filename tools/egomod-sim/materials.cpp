@@ -55,8 +55,8 @@ Paint wall(double width_m, double height_m, std::uint32_t seed) {
   };
 }
 
-// Mineral fibre boards in a grid, some of them lamps.
-Paint ceiling(std::uint32_t seed) {
+// Mineral fibre boards in a grid, some of them lamps, each of its own brightness.
+Paint boards(std::uint32_t seed) {
   constexpr double kBoard_m = 0.6;
   return [=](double s, double t) {
     const double i = std::floor(s / kBoard_m);
@@ -64,8 +64,10 @@ Paint ceiling(std::uint32_t seed) {
     const double ds = s - i * kBoard_m;
     const double dt = t - j * kBoard_m;
     if (ds < 0.024 || dt < 0.024) return 120.0;
-    if (std::fmod(i + 100.0, 4.0) == 1.0 && std::fmod(j + 100.0, 3.0) == 1.0) {
-      return 245.0 - 20.0 * (std::fmod(ds, 0.1) < 0.012 ? 1.0 : 0.0);
+    // Not in rows: a pattern that repeats is taken for itself one period further.
+    const double chance = value_noise(i * 7.3 + 0.5, j * 5.9 + 0.5, seed + 3);
+    if (chance > 0.42) {
+      return 205.0 + 60.0 * chance - 20.0 * (std::fmod(ds, 0.1) < 0.012 ? 1.0 : 0.0);
     }
     const double hole = value_noise(s / 0.02, t / 0.02, seed + 1);
     return 172.0 + 8.0 * value_noise(i * 3.1 + 0.5, j * 2.7 + 0.5, seed) +
@@ -123,15 +125,15 @@ Paint wood(std::uint32_t seed) {
 }  // namespace
 
 std::vector<std::string> material_names() {
-  return {"asphalt", "bricks", "carton", "ceiling", "concrete", "facade", "plain",
-          "plaster", "poster", "road",   "shelf",   "tiles",    "wall",   "wood"};
+  return {"asphalt", "boards", "bricks", "carton", "concrete", "facade",    "plain", "plaster",
+          "poster",  "road",   "shelf",  "tiles",  "wall",     "whitewash", "wood"};
 }
 
 Paint material(const std::string& name, double width_m, double height_m, std::uint32_t seed) {
   if (name == "asphalt") return plaster(95.0, 55.0, seed);
+  if (name == "boards") return boards(seed);
   if (name == "bricks") return test_support::bricks(seed);
   if (name == "carton") return test_support::carton(width_m, height_m, seed);
-  if (name == "ceiling") return ceiling(seed);
   if (name == "concrete") return plaster(140.0, 45.0, seed);
   if (name == "facade") return facade(height_m, seed);
   if (name == "plain") return plaster(175.0, 5.0, seed);
@@ -140,6 +142,7 @@ Paint material(const std::string& name, double width_m, double height_m, std::ui
   if (name == "shelf") return shelf(width_m, height_m, seed);
   if (name == "tiles") return test_support::floor_tiles(0.4, seed);
   if (name == "wall") return wall(width_m, height_m, seed);
+  if (name == "whitewash") return plaster(188.0, 38.0, seed);
   if (name == "wood") return wood(seed);
   return plaster(155.0, 75.0, seed);
 }

@@ -77,7 +77,7 @@ struct Shell {
   std::string front = "bricks";
   std::string back = "bricks";
   std::string floor = "tiles";
-  std::string ceiling = "ceiling";
+  std::string ceiling = "whitewash";
 };
 
 enum class Wall { kLeft, kRight, kFront, kBack };
