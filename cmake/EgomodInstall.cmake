@@ -5,11 +5,12 @@ include(CMakePackageConfigHelpers)
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/egomod")
 
 set_target_properties(egomod_lcmtypes PROPERTIES EXPORT_NAME lcmtypes)
-install(TARGETS egomod_lcmtypes EXPORT egomodTargets)
-install(EXPORT egomodTargets NAMESPACE egomod:: DESTINATION ${package_dir})
+install(TARGETS egomod_lcmtypes EXPORT egomodTargets COMPONENT dev)
+install(EXPORT egomodTargets NAMESPACE egomod:: DESTINATION ${package_dir} COMPONENT dev)
 
 write_basic_package_version_file("${CMAKE_CURRENT_BINARY_DIR}/egomodConfigVersion.cmake"
   COMPATIBILITY SameMinorVersion)
 install(FILES cmake/egomodConfig.cmake cmake/EgomodOpenCV.cmake cmake/FindLCM.cmake
-  "${CMAKE_CURRENT_BINARY_DIR}/egomodConfigVersion.cmake" DESTINATION ${package_dir})
-install(FILES README.md CONTRIBUTING.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+  "${CMAKE_CURRENT_BINARY_DIR}/egomodConfigVersion.cmake" DESTINATION ${package_dir}
+  COMPONENT dev)
+install(FILES README.md CONTRIBUTING.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT egomod)

@@ -22,17 +22,22 @@ function(egomod_library)
   set_target_properties(${target} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON EXPORT_NAME ${arg_NAME})
   target_link_libraries(${target} PUBLIC ${arg_LINK} PRIVATE ${arg_LINK_PRIVATE})
   egomod_warnings(${target})
-  install(TARGETS ${target} EXPORT egomodTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
-    FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+  install(TARGETS ${target} EXPORT egomodTargets
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
+    FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
 endfunction()
 
-# egomod_program(NAME name SOURCES ... LINK ...)
+# egomod_program(NAME name SOURCES ... LINK ... [COMPONENT package]): part of the package egomod unless said otherwise
 function(egomod_program)
-  cmake_parse_arguments(arg "" "NAME" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(arg "" "NAME;COMPONENT" "SOURCES;LINK" ${ARGN})
+  if(NOT arg_COMPONENT)
+    set(arg_COMPONENT egomod)
+  endif()
   add_executable(${arg_NAME} ${arg_SOURCES})
   target_link_libraries(${arg_NAME} PRIVATE ${arg_LINK})
   egomod_warnings(${arg_NAME})
-  install(TARGETS ${arg_NAME} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(TARGETS ${arg_NAME} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR}
+    COMPONENT ${arg_COMPONENT})
 endfunction()
 
 # egomod_test(NAME name SOURCES ... LINK ... [TIMEOUT s] [LABELS slow]): one GoogleTest program, one

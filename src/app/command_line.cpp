@@ -30,7 +30,7 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("--preset", a.preset, "Settings that come with the program, or a path")
       ->type_name("NAME");
   app.add_option("--rig", a.rig, "Calibration of the rig")->type_name("FILE");
-  app.add_option("--source", a.source, "folder:DIR, log:FILE, lcm")->type_name("SPEC");
+  app.add_option("--source", a.source, "folder:DIR, log:FILE, lcm, sim[:WORLD]")->type_name("SPEC");
   app.add_option("--lcm-url", a.lcm_url, "The bus")->type_name("URL");
   app.add_option("--record", a.record, "LCM log to write, overwritten")->type_name("FILE");
   app.add_flag("--record-timing", a.record_timing, "Record the stages' times too");

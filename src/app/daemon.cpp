@@ -94,8 +94,8 @@ void refuse_record_over_source(const DaemonConfig& daemon) {
 int run_to_the_end(const Config& config, bool quiet) {
   const auto begin = Clock::now();
   refuse_record_over_source(config.daemon);
-  const auto source =
-      open_source(config.daemon.source, config.capture, config.daemon.rig, config.daemon.lcm_url);
+  const auto source = open_source(config.daemon.source, config.capture, config.daemon.rig,
+                                  config.daemon.lcm_url, config.pipeline.realtime);
   const bool live = config.pipeline.realtime || !source->is_replay();
   Stages stages(config, live);
   Pipeline pipeline(config.pipeline, *source, stages.functions());

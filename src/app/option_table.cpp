@@ -33,7 +33,7 @@ constexpr std::array kLogLevels{"debug"sv, "info"sv, "warning"sv, "error"sv};
 
 // clang-format off
 constexpr Option kOptions[] = {
-    TEXT(daemon.source, "Where stereo pairs come from: folder:DIR, log:FILE, lcm"),
+    TEXT(daemon.source, "Where stereo pairs come from: folder:DIR, log:FILE, lcm, sim[:WORLD]"),
     TEXT(daemon.rig, "Calibration file of the rig; empty: what the source brings along"),
     TEXT(daemon.lcm_url, "The bus; empty: $LCM_DEFAULT_URL, else udpm://239.255.76.67:7667?ttl=0"),
     TEXT(daemon.record, "LCM log to write, overwritten; empty: none"),

@@ -94,7 +94,8 @@ std::optional<LivePairing::Decision> LivePairing::decide() {
       nearest ? Nanoseconds(std::chrono::abs(right_.entries[*nearest].exposure - exposure))
               : Nanoseconds::max();
   const bool is_near = nearest && interval && skew <= std::min(limit, half);
-  if (!is_near && !has_passed && left_.count < kMaxWaiting) return std::nullopt;
+  const bool waits = !has_ended_ && left_.count < kMaxWaiting;
+  if (!is_near && !has_passed && waits) return std::nullopt;
   Decision decision;
   decision.left = left_.take(0);
   decision.is_accepted = nearest && skew <= limit;

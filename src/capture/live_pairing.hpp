@@ -40,6 +40,8 @@ class LivePairing {
   [[nodiscard]] std::optional<std::size_t> add_left(Entry entry);
   [[nodiscard]] std::optional<std::size_t> add_right(Entry entry);
 
+  // No further image comes: what waits is decided on as it is.
+  void end() { has_ended_ = true; }
   // The oldest left image that can be decided on.
   [[nodiscard]] std::optional<Decision> decide();
   // The slot of an image that nobody can need any more.
@@ -67,6 +69,7 @@ class LivePairing {
   IntervalMeter interval_;
   std::optional<Nanoseconds> last_left_;
   bool has_stepped_back_ = false;
+  bool has_ended_ = false;
 };
 
 }  // namespace egomod

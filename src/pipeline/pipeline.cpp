@@ -159,8 +159,8 @@ bool Pipeline::work_on(Stage stage, Frame& frame) {
   return false;
 }
 
-// A live source sleeps until the pair arrives: its work begins then. A replay's wait for the pair's
-// time comes after the work, and the pair arrives at its end.
+// Where the source sleeps until the pair arrives, its work begins then. From a disk the pair comes
+// when it is asked for: the wait for its time comes after the work, and it arrives at the end.
 bool Pipeline::capture(Frame& frame) {
   StereoPair& pair = frame.pair;
   const SourceState state = source_.next(pair, stop_.get_token());
@@ -173,7 +173,7 @@ bool Pipeline::capture(Frame& frame) {
   }
   StageTime& time = frame.times[index(Stage::kCapture)];
   time.end = monotonic_now();
-  if (!source_.is_replay()) {
+  if (source_.waits_for_arrival()) {
     time.start = std::clamp(pair.arrival, time.start, time.end);
   } else {
     if (config_.realtime) {

@@ -217,6 +217,9 @@ void Publisher::publish(const Frame& frame) {
     fill_message(frame, SteadyClock::now().time_since_epoch(), state.timing);
     state.send(state.channels.timing, state.timing);
   }
+  for (const EnclosedMessage& message : frame.pair.enclosed) {
+    state.outlet.send({message.channel, frame.pair.utime_us(), message.bytes});
+  }
 }
 
 void Publisher::publish_health(const health_t& message) {

@@ -237,7 +237,8 @@ TEST_F(BadInput, the_configuration_names_what_is_not_there) {
               HasSubstr("good: is not a file that can be read"));
   EXPECT_THAT(refusal({EGOMODD, source, "--config", file("bad.toml", "[capture]\nrate = 3\n")}),
               HasSubstr("bad.toml:2:1: capture.rate: unknown key"));
-  EXPECT_THAT(refusal_of_source("webcam"), HasSubstr("this build has folder:DIR, log:FILE and"));
+  EXPECT_THAT(refusal_of_source("webcam"),
+              HasSubstr("this build has folder:DIR, log:FILE, lcm and"));
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "capture/live_pairing.hpp"
+
 namespace egomod {
 namespace {
 
@@ -35,6 +37,18 @@ TEST(SkewLimit, IsHalfTheMedianIntervalByDefault) {
   EXPECT_EQ(skew_limit(0.0, left, left), 20ms);
   EXPECT_EQ(skew_limit(0.005, left, left), 5ms);
   EXPECT_EQ(skew_limit(0.0, {left.data(), 1}, {}), Nanoseconds::max());
+}
+
+TEST(LivePairing, DecidesOnWhatWaitsWhenNothingMoreComes) {
+  LivePairing pairing(0.0);
+  EXPECT_FALSE(pairing.add_left({0ms, 0}));
+  EXPECT_FALSE(pairing.add_left({33ms, 1}));
+  EXPECT_FALSE(pairing.add_right({-1ms, 2}));
+  EXPECT_FALSE(pairing.decide()) << "a nearer right image may come";
+  pairing.end();
+  EXPECT_TRUE(pairing.decide()->is_accepted);
+  EXPECT_FALSE(pairing.decide()->is_accepted);
+  EXPECT_FALSE(pairing.decide());
 }
 
 std::vector<int> kept(double max_rate_hz, const std::vector<Nanoseconds>& times) {

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "consistency.hpp"
 #include "figure_tables.hpp"
+#include "kitti_writer.hpp"
 #include "points.hpp"
 #include "statistics.hpp"
 
@@ -103,6 +106,61 @@ TEST(Points, AreCountedByRectangleAndDepth) {
   EXPECT_EQ(figures.fn, 1);
   EXPECT_NEAR(*figures.f1, 0.5, kExact);
   EXPECT_NEAR(*figures.area, 0.75, kExact);
+}
+
+// The object, of id 1, owns the left half of the masks; it is 5 m away, what lies behind it 9 m.
+class MaskedPoints : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* name : {"mask_0", "depth_0"})
+      std::filesystem::create_directories(folder_ / name);
+    std::vector<std::uint8_t> ids(kSide * kSide);
+    std::vector<std::uint16_t> depth_mm(kSide * kSide);
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      ids[i] = i % kSide < kSide / 2 ? 1 : 0;
+      depth_mm[i] = ids[i] == 1 ? 5000 : 9000;
+    }
+    test_support::write_png(folder_ / "mask_0/000001.png", {ids.data(), kSide, kSide, kSide});
+    test_support::write_png16(folder_ / "depth_0/000001.png", depth_mm, kSide, kSide);
+    truth_.folder = folder_;
+    (*truth_.objects)[1][0].id = "1";
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  static constexpr int kSide = 300;
+  std::filesystem::path folder_ =
+      std::filesystem::path(testing::TempDir()) / ("masked_points_" + std::to_string(getpid()));
+  Truth truth_ = scene_of_points();
+};
+
+TEST_F(MaskedPoints, BelongToWhatTheirPixelShows) {
+  // Outside of the rectangle but on the object; in it but on the background; twice on the border,
+  // told apart by depth, and once not.
+  const PointFigures figures = score_points(
+      truth_,
+      {point(20, 7.0, 1.0, true), point(160, 5.0, 1.0, true), point(150, 5.1, 1.0, true),
+       point(149, 9.1, 0.1, false), point(150, 7.0, 1.0, true)},
+      1);
+  EXPECT_EQ(figures.moving, 2);
+  EXPECT_EQ(figures.still, 2);
+  EXPECT_EQ(figures.left_out, 1);
+  EXPECT_EQ(figures.tp, 2);
+  EXPECT_EQ(figures.fp, 1);
+}
+
+TEST_F(MaskedPoints, AtEdgesAreLeftOutWithoutDepth) {
+  std::filesystem::remove_all(folder_ / "depth_0");
+  EXPECT_EQ(score_points(truth_, {point(150, 5.0, 1.0, true)}, 1).left_out, 1);
+}
+
+TEST_F(MaskedPoints, NameTheMaskThatIsMissing) {
+  std::filesystem::remove(folder_ / "mask_0/000001.png");
+  try {
+    (void)score_points(truth_, {point(150, 5.0, 1.0, true)}, 1);
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("mask_0/000001.png"));
+  }
 }
 
 TEST(Tables, AlignTheirColumns) {

@@ -19,6 +19,7 @@ class FakeSource : public FrameSource {
     std::uint64_t pairs = 100;
     SourceState after = SourceState::kEnd;  // kPair: blocks until it is stopped
     bool replay = true;
+    bool waits_for_arrival = false;  // a replay that keeps its own pace
     Nanoseconds interval = std::chrono::milliseconds(1);
     std::function<void(StereoPair&)> change = [](StereoPair&) {};  // called for each pair
   };
@@ -42,6 +43,9 @@ class FakeSource : public FrameSource {
     return SourceState::kPair;
   }
   bool is_replay() const override { return settings_.replay; }
+  bool waits_for_arrival() const override {
+    return settings_.waits_for_arrival || !settings_.replay;
+  }
   std::string error() const override { return "pair 100: cannot be read"; }
   void set_calibration(const Calibration&) override {}
 

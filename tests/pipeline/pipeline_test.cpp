@@ -291,6 +291,26 @@ TEST(Pipeline, realtime_paces_a_replay_by_its_exposure_times) {
   EXPECT_EQ(published.back(), 10U);
 }
 
+TEST(Pipeline, realtime_leaves_the_pace_to_a_source_that_waits_for_its_pairs) {
+  std::vector<std::uint64_t> published;
+  Nanoseconds arrival{0};
+  FakeSource source({.pairs = 2,
+                     .waits_for_arrival = true,
+                     .interval = std::chrono::hours(1),
+                     .change = [](StereoPair& pair) { pair.arrival = monotonic_now(); }});
+  PipelineStages stages = counting(published);
+  stages.features = [&](Frame& frame) {
+    arrival = frame.pair.arrival;
+    EXPECT_EQ(frame.times[0].start, arrival) << "waiting is no work";
+  };
+  Pipeline pipeline({.realtime = true}, source, stages);
+  EXPECT_TRUE(pipeline.is_live());
+  const Nanoseconds begin = monotonic_now();
+  EXPECT_EQ(pipeline.run_single_thread(), PipelineEnd::kSourceEnded);
+  EXPECT_EQ(published, numbers(2));
+  EXPECT_GT(arrival, begin);
+}
+
 TEST(Pipeline, a_paced_replay_stops_at_once) {
   std::vector<std::uint64_t> published;
   FakeSource source({.pairs = 10, .interval = std::chrono::hours(1)});

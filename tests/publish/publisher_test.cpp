@@ -50,6 +50,21 @@ TEST(Publisher, RecordsEachPairInTheOrderOfTheTable) {
   EXPECT_EQ(events.back().utime_us, 100'000);
 }
 
+TEST(Publisher, PassesOnWhatTheSourceHasEnclosedBehindItsOwn) {
+  const test::TemporaryFolder folder;
+  Publisher publisher({}, {.lcm_url = kNoBus, .record = folder.file("a"), .record_timing = true});
+  Frame frame = test::some_frame(1);
+  frame.pair.enclosed = {{"SIM_TRUTH_POSE", {1, 2, 3}}, {"SIM_TRUTH_OBJECTS", {4}}};
+  publisher.publish(frame);
+  publisher.close();
+  const auto events = test::events_of(folder.file("a"));
+  EXPECT_THAT(channels_of(events),
+              ElementsAre("EGOMOD_CALIBRATION", "EGOMOD_POSE", "EGOMOD_VELOCITY", "EGOMOD_OBJECTS",
+                          "EGOMOD_TIMING", "SIM_TRUTH_POSE", "SIM_TRUTH_OBJECTS"));
+  EXPECT_EQ(events[5].bytes, "\x01\x02\x03");
+  EXPECT_EQ(events[5].utime_us, 100'000);
+}
+
 TEST(Publisher, RepeatsTheCalibrationWhenItChanges) {
   const test::TemporaryFolder folder;
   Publisher publisher({}, {.lcm_url = kNoBus, .record = folder.file("a")});

@@ -5,6 +5,7 @@
 #include <fmt/ostream.h>
 #include <png.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <atomic>
 #include <exception>
@@ -55,7 +56,9 @@ void write_object(int frame, double t_s, std::string_view kind, const ObjectTrut
   fmt::print(out, "{},{:.6f},{},{}", frame, t_s, o.id, kind);
   write_vector(o.surface_centroid_m, out);
   write_vector(o.box_centre_m, out);
-  write_vector(o.velocity_mps, out);
+  // Readers carry it from the centre to where they need it, by the angular velocity.
+  const Eigen::Vector3d lever_m = o.box_centre_m - o.surface_centroid_m;
+  write_vector(o.velocity_mps + o.angular_velocity_radps.cross(lever_m), out);
   write_vector(o.angular_velocity_radps, out);
   fmt::print(out, ",{},{},{},{},{},{:.4f},{}\n", o.u_min_px, o.v_min_px, o.u_max_px, o.v_max_px,
              o.visible_px, o.occluded_fraction, o.moving ? 1 : 0);
@@ -72,11 +75,9 @@ void write_pair(const SyntheticWorld& world, double t_s, int index, const fs::pa
 }
 
 // On every core; the first error ends all of them.
-void write_images(const SyntheticWorld& world, const Recording& recording, const fs::path& folder,
-                  const std::function<void(int written)>& on_pair) {
+void write_images(const SyntheticWorld& world, const Recording& recording, const fs::path& folder) {
   std::atomic<int> next = 0;
   std::mutex mutex;
-  int written = 0;
   std::exception_ptr error;
   const auto work = [&] {
     Image left;
@@ -84,8 +85,6 @@ void write_images(const SyntheticWorld& world, const Recording& recording, const
     for (int i = next++; i < recording.pairs; i = next++) {
       try {
         write_pair(world, i / recording.rate_hz, i, folder, left, right);
-        const std::lock_guard lock(mutex);
-        if (on_pair) on_pair(++written);
       } catch (...) {
         const std::lock_guard lock(mutex);
         error = std::current_exception();
@@ -141,11 +140,11 @@ void write_png16(const fs::path& file, std::span<const std::uint16_t> pixels, in
 }
 
 void write_kitti_sequence(const SyntheticWorld& world, const Recording& recording,
-                          const fs::path& folder, const std::function<void(int written)>& on_pair) {
+                          const fs::path& folder) {
   fs::create_directories(folder / "image_0");
   fs::create_directories(folder / "image_1");
   write_calibration(world.camera(), folder / "calib.txt");
-  write_images(world, recording, folder, on_pair);
+  write_images(world, recording, folder);
   write_truth(world, recording, folder);
 }
 

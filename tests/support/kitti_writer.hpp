@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <iosfwd>
 #include <span>
 #include <string_view>
@@ -19,7 +18,9 @@ void write_png(const std::filesystem::path& file, const ImageView& image);
 void write_png16(const std::filesystem::path& file, std::span<const std::uint16_t> pixels,
                  int width_px, int height_px);
 
-// The files of such a folder, piece by piece. Objects that show no pixel get no row.
+// The files of such a folder, piece by piece. Objects that show no pixel get no row; (VX, VY, VZ)
+// is the velocity of the box's centre (bx, by, bz), (cx, cy, cz) the centroid of the visible
+// surface.
 inline constexpr const char* kObjectsHeader =
     "frame,time,object_id,class,cx,cy,cz,bx,by,bz,VX,VY,VZ,wx,wy,wz,"
     "u_min,v_min,u_max,v_max,visible_px,occlusion_fraction,moving\n";
@@ -35,10 +36,8 @@ struct Recording {
 
 // Writes what the world's rig sees from t = 0 on into a folder of the KITTI odometry layout:
 // image_0 (left), image_1 (right), calib.txt, times.txt, and the truth as poses.txt and
-// objects.csv. Uses every core; `on_pair` is told, from one thread at a time, how many pairs are
-// written.
+// objects.csv. Uses every core.
 void write_kitti_sequence(const SyntheticWorld& world, const Recording& recording,
-                          const std::filesystem::path& folder,
-                          const std::function<void(int written)>& on_pair = {});
+                          const std::filesystem::path& folder);
 
 }  // namespace egomod::test_support

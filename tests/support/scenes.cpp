@@ -219,18 +219,4 @@ Scene crossing_robot() {
   return scene;
 }
 
-Scene resting_rig_crossing_robot() {
-  Scene scene = crossing_robot();
-  scene.T_world_camera = [](double) { return Eigen::Isometry3d::Identity(); };
-  return scene;
-}
-
-Scene demo_tour() {
-  Scene scene = furnished_room();
-  scene.T_world_camera = s_curve(0.4, 0.12, 8.0);
-  push_robot(scene, 1, steady({.start_m = {0.1, kFloor_m, 2.6}, .velocity_mps = {0.05, 0, 0.55}}));
-  push_robot(scene, 2, arc({2.6, kFloor_m, 6.4}, -0.5 * M_PI, 0.55, 0.0));
-  return scene;
-}
-
 }  // namespace egomod::test_support

@@ -51,7 +51,5 @@ struct SteadyMotion {
 [[nodiscard]] Scene static_room();      // rig S-curves at 0.5 m/s, nothing moves
 [[nodiscard]] Scene following_robot();  // rig 0.4 m/s, robot 1.8 m ahead at 0.4 + 0.02 t
 [[nodiscard]] Scene crossing_robot();   // rig 0.4 m/s, robot crosses at 0.6 m/s, 3 m ahead
-[[nodiscard]] Scene resting_rig_crossing_robot();  // rig at rest
-[[nodiscard]] Scene demo_tour();                   // one robot leads, a second one crosses, 9 s
 
 }  // namespace egomod::test_support

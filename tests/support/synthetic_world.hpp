@@ -20,8 +20,9 @@ struct Patch {
   Eigen::Vector3d corner_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d edge_s_m = Eigen::Vector3d::UnitX();
   Eigen::Vector3d edge_t_m = Eigen::Vector3d::UnitY();
-  std::size_t texture = 0;  // index into Scene::textures
-  double brightness = 1.0;  // light on this face
+  std::size_t texture = 0;    // index into Scene::textures
+  double brightness = 1.0;    // light on this face
+  bool is_seen_flat = false;  // usually at a grazing angle: worth a costlier texture filter
 };
 
 // Patches that move as one. Id 0: scenery.

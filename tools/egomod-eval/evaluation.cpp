@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "record_truth.hpp"
 #include "tables.hpp"
 
 namespace egomod::eval {
@@ -60,7 +61,7 @@ void note_gaps(Evaluation& e) {
 
 Evaluation evaluate(const Run& run, const DetectionOptions& options) {
   Evaluation e;
-  e.truth = read_truth(run.truth);
+  e.truth = run.truth.empty() ? read_truth_of_record(run.estimate) : read_truth(run.truth);
   e.name = run.name.empty() ? e.truth.name : run.name;
   e.source = run.estimate;
   if (run.kind == EstimateKind::kRecord) {

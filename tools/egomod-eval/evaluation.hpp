@@ -13,8 +13,8 @@ namespace egomod::eval {
 enum class EstimateKind { kRecord, kResult, kPoses };
 
 struct Run {
-  std::string name;  // empty: the truth folder's
-  std::string truth;
+  std::string name;   // empty: the truth's
+  std::string truth;  // empty: what a record of the built-in world holds itself
   std::string estimate;
   EstimateKind kind = EstimateKind::kRecord;
   PoseFormat format = PoseFormat::kKitti;

@@ -193,7 +193,7 @@ std::optional<double> from(const Holder& holder, Value value) {
   return holder ? std::optional<double>(value(*holder)) : std::nullopt;
 }
 
-std::vector<Headline> headlines() {
+std::vector<Headline> headline_columns() {
   using E = const Evaluation&;
   return {
       {"drift, %", 3,
@@ -271,7 +271,7 @@ std::vector<FigureTable> figure_tables(const Evaluation& e) {
 }
 
 FigureTable overview(const std::vector<Evaluation>& evaluations) {
-  const std::vector<Headline> columns = headlines();
+  const std::vector<Headline> columns = headline_columns();
   FigureTable table{"Overview", {"sequence"}, {}};
   for (const Headline& column : columns) table.header.push_back(column.title);
   std::vector<std::string> means{"mean"};
@@ -290,6 +290,14 @@ FigureTable overview(const std::vector<Evaluation>& evaluations) {
                            std::max(column.decimals, 1)));
   }
   if (evaluations.size() > 1) table.rows.push_back(means);
+  return table;
+}
+
+FigureTable headlines(const Evaluation& e) {
+  FigureTable table{e.name, {"figure", "value"}, {}};
+  for (const Headline& column : headline_columns()) {
+    table.rows.push_back({column.title, number(column.of(e), column.decimals)});
+  }
   return table;
 }
 

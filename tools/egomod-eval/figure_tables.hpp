@@ -18,6 +18,8 @@ struct FigureTable {
 [[nodiscard]] std::vector<FigureTable> figure_tables(const Evaluation& evaluation);
 // One row a run, and the mean where there are several.
 [[nodiscard]] FigureTable overview(const std::vector<Evaluation>& evaluations);
+// The same figures of one run, in a list.
+[[nodiscard]] FigureTable headlines(const Evaluation& evaluation);
 // "-" where there is none.
 [[nodiscard]] std::string number(const std::optional<double>& value, int decimals);
 

@@ -22,14 +22,15 @@ struct Options {
   std::string format = "kitti";
   std::string output;
   std::string json;
+  bool brief = false;
   DetectionOptions detection;
 };
 
 void add_options(CLI::App& app, Options& o) {
-  app.add_option(
-         "--truth", o.truths,
-         "folder of the truth: times.txt, poses.txt, objects.csv, calib.txt; once for each run")
-      ->required();
+  app.add_option("--truth", o.truths,
+                 "folder of the truth: times.txt, poses.txt, objects.csv, calib.txt, mask_0, "
+                 "depth_0, as far "
+                 "as they are there; once for each run; records of --source sim hold their own");
   app.add_option("--record", o.records, "record of egomodd, one for each truth");
   app.add_option("--result", o.results,
                  "folder as egomod-log export writes it, one for each truth");
@@ -43,6 +44,7 @@ void add_options(CLI::App& app, Options& o) {
   app.add_option("--output", o.output, "folder for report.html and figures.json; made if needed");
   app.add_option("--json", o.json,
                  "write all figures to this file; - is standard output, no tables");
+  app.add_flag("--brief", o.brief, "print the headline figures only");
   app.add_option("--every", o.detection.every,
                  "objects: only frames divisible by this count (a run at a lower rate)")
       ->check(CLI::Range(1, 1'000'000))
@@ -72,16 +74,17 @@ std::vector<Run> runs_of(const Options& o) {
                             : !o.results.empty() ? EstimateKind::kResult
                                                  : EstimateKind::kPoses;
   const auto& estimates = !o.records.empty() ? o.records : !o.results.empty() ? o.results : o.poses;
-  if (estimates.size() != o.truths.size()) {
+  const bool hold_truth = o.truths.empty() && kind == EstimateKind::kRecord;
+  if (!hold_truth && estimates.size() != o.truths.size()) {
     throw CLI::ValidationError(std::to_string(estimates.size()) + " runs but " +
                                std::to_string(o.truths.size()) + " truths; each run needs its own");
   }
-  if (!o.names.empty() && o.names.size() != o.truths.size())
+  if (!o.names.empty() && o.names.size() != estimates.size())
     throw CLI::ValidationError("--name: one for each run, or none");
   std::vector<Run> runs;
   for (std::size_t i = 0; i < estimates.size(); ++i) {
     runs.push_back({.name = o.names.empty() ? "" : o.names[i],
-                    .truth = o.truths[i],
+                    .truth = hold_truth ? "" : o.truths[i],
                     .estimate = estimates[i],
                     .kind = kind,
                     .format = o.format == "tum" ? PoseFormat::kTum : PoseFormat::kKitti});
@@ -93,6 +96,17 @@ void write(const std::filesystem::path& path, const std::string& text) {
   std::ofstream file(path);
   file << text;
   if (!file.flush()) throw InputError(path.string() + ": cannot be written");
+}
+
+// One run in a list, several in a table.
+void print_brief(const std::vector<Evaluation>& evaluations) {
+  const bool one = evaluations.size() == 1;
+  const FigureTable table = one ? headlines(evaluations.front()) : overview(evaluations);
+  std::printf("%s", text_of(table).c_str());
+  for (const Evaluation& e : evaluations) {
+    for (const std::string& note : e.notes)
+      std::printf("Note: %s: %s\n", e.name.c_str(), note.c_str());
+  }
 }
 
 void print(const std::vector<Evaluation>& evaluations) {
@@ -123,7 +137,7 @@ void run(const Options& options, const std::vector<Run>& runs) {
   if (options.json == "-") {
     std::printf("%s", json_of(evaluations).c_str());
   } else {
-    print(evaluations);
+    options.brief ? print_brief(evaluations) : print(evaluations);
     if (!options.json.empty()) write(options.json, json_of(evaluations));
   }
   if (!options.output.empty()) report(evaluations, options.output);

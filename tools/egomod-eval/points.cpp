@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+
+#include "pixel_truth.hpp"
 
 namespace egomod::eval {
 namespace {
@@ -20,7 +23,19 @@ bool at_depth_of(const TruthObject& object, double depth_m) {
          depth_m <= object.centre_m.z() + reach_m + slack_m;
 }
 
-// Nothing where the truth leaves it open.
+// By the object that the point's pixel shows; nothing at the edges of objects.
+std::optional<bool> moves(const Truth& truth, const PointEvidence& point, PixelTruth& pixels) {
+  const auto owner = pixels.object_at(point);
+  if (!owner) return std::nullopt;
+  const auto objects = truth.objects->find(point.frame);
+  if (*owner == 0 || objects == truth.objects->end()) return false;
+  return std::any_of(objects->second.begin(), objects->second.end(),
+                     [&](const TruthObject& object) {
+                       return object.moving && object.id == std::to_string(*owner);
+                     });
+}
+
+// By rectangles and depth; nothing where they leave it open.
 std::optional<bool> moves(const Truth& truth, const PointEvidence& point) {
   const auto objects = truth.objects->find(point.frame);
   if (objects == truth.objects->end()) return false;
@@ -72,10 +87,11 @@ void sweep(std::vector<Labelled> points, PointFigures& figures) {
 PointFigures score_points(const Truth& truth, const std::vector<PointEvidence>& points,
                           int first_frame) {
   PointFigures figures;
+  std::optional<PixelTruth> pixels = PixelTruth::open(truth.folder);
   std::vector<Labelled> labelled;
   for (const PointEvidence& point : points) {
     if (point.frame < first_frame || point.frame >= truth.frames()) continue;
-    const auto moving = moves(truth, point);
+    const auto moving = pixels ? moves(truth, point, *pixels) : moves(truth, point);
     if (!moving) {
       ++figures.left_out;
       continue;

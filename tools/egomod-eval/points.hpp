@@ -13,11 +13,12 @@ struct RocPoint {
   double true_positive_rate = 0.0;
 };
 
-// Points with a known velocity against what they lie on. The curve sweeps a threshold on speed; the
+// Points with a known velocity against what they lie on: by the truth's masks, where there are any,
+// else by the rectangles and depths of its objects. The curve sweeps a threshold on speed; the
 // counts are those of the points' own decision.
 struct PointFigures {
   int moving = 0, still = 0;  // in truth
-  int left_out = 0;           // inside a mover's rectangle, but not at its depth
+  int left_out = 0;           // at an object's edge, or in a mover's rectangle but not at its depth
   int tp = 0, fp = 0, fn = 0;
   std::optional<double> precision, recall, f1;
   double false_positive_rate = 0.0;

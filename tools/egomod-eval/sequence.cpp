@@ -202,6 +202,7 @@ Truth read_truth(const fs::path& folder) {
   require_folder(folder);
   Truth truth;
   truth.name = fs::absolute(folder / "x").lexically_normal().parent_path().filename().string();
+  truth.folder = folder;
   truth.times_s = read_times(folder / "times.txt");
   if (fs::exists(folder / "poses.txt")) truth.poses = read_kitti(folder / "poses.txt");
   if (fs::exists(folder / "objects.csv")) {

@@ -58,6 +58,7 @@ using ByFrame = std::map<int, std::vector<Object>>;
 
 struct Truth {
   std::string name;
+  std::filesystem::path folder;
   std::vector<double> times_s;
   Poses poses;                                  // empty: unknown
   std::optional<ByFrame<TruthObject>> objects;  // nothing: unknown

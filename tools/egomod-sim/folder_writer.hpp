@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <fstream>
-#include <future>
 
 #include "egomod/core/image.hpp"
 #include "simulator.hpp"
+#include "write_queue.hpp"
 
 namespace egomod::sim {
 
@@ -17,34 +16,31 @@ struct FolderOptions {
 };
 
 // A folder of the KITTI odometry layout with truth: image_0, image_1, calib.txt, times.txt,
-// poses.txt, objects.csv. Images are compressed in another thread while the next pair is rendered.
-// Throws std::runtime_error or std::ios::failure. Threads: one caller.
+// poses.txt, objects.csv; calib_full.txt where images are raw, times_right.txt where the cameras
+// do not deliver pairs. Images are numbered as they come, without a gap. Throws std::runtime_error
+// or std::ios::failure. Threads: one caller.
 class FolderWriter {
  public:
-  FolderWriter(const std::filesystem::path& folder, const StereoCamera& camera,
-               FolderOptions options);
-  // Takes the images and the truth over by swapping; what comes back is old and may be overwritten.
-  void write(std::uint64_t pair, double t_s, Image& left, Image& right, Truth& truth);
+  FolderWriter(const std::filesystem::path& folder, const World& world, FolderOptions options);
+  // Images and buffers are taken over; what comes back is empty. `t_s` ascends.
+  void write_left(double t_s, Image& image, Truth& truth);
+  void write_right(double t_s, Image& image);
   void finish();
 
  private:
-  struct Job {
-    std::string name;
-    Image left;
-    Image right;
-    Buffers buffers;
-  };
-  void write_truth(std::uint64_t pair, double t_s, const Truth& truth);
-  void write_images(const Job& job) const;
+  void write_truth(double t_s, const Truth& truth);
+  void write_image(const char* subfolder, int index, Image& image);
 
   std::filesystem::path folder_;
   StereoCamera camera_;
   FolderOptions options_;
+  int left_count_ = 0;
+  int right_count_ = 0;
   std::ofstream times_;
+  std::ofstream right_times_;  // not open where images come as pairs
   std::ofstream poses_;
   std::ofstream objects_;
-  Job job_;
-  std::future<void> writing_;  // last: its thread reads the rest
+  WriteQueue queue_;
 };
 
 }  // namespace egomod::sim

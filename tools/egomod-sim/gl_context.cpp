@@ -22,8 +22,8 @@ Function GlContext::load(const char* name) const {
   return function;
 }
 
-GlContext::GlContext() {
-  library_ = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
+GlContext::GlContext(const char* library) {
+  library_ = dlopen(library, RTLD_NOW | RTLD_LOCAL);
   if (library_ == nullptr) throw GlError(fmt::format("{}: {}", dlerror(), kRemedy));
   try {
     address_of_ = reinterpret_cast<PFNEGLGETPROCADDRESSPROC>(dlsym(library_, "eglGetProcAddress"));

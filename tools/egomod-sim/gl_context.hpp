@@ -31,10 +31,12 @@ struct GlError : std::runtime_error {
   X(PFNGLCOMPILESHADERPROC, CompileShader)                                   \
   X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                   \
   X(PFNGLCREATESHADERPROC, CreateShader)                                     \
+  X(PFNGLDISABLEPROC, Disable)                                               \
   X(PFNGLDRAWARRAYSPROC, DrawArrays)                                         \
   X(PFNGLDRAWBUFFERSPROC, DrawBuffers)                                       \
   X(PFNGLENABLEPROC, Enable)                                                 \
   X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)               \
+  X(PFNGLFLUSHPROC, Flush)                                                   \
   X(PFNGLFRAMEBUFFERRENDERBUFFERPROC, FramebufferRenderbuffer)               \
   X(PFNGLGENBUFFERSPROC, GenBuffers)                                         \
   X(PFNGLGENERATEMIPMAPPROC, GenerateMipmap)                                 \
@@ -53,6 +55,7 @@ struct GlError : std::runtime_error {
   X(PFNGLREADPIXELSPROC, ReadPixels)                                         \
   X(PFNGLRENDERBUFFERSTORAGEPROC, RenderbufferStorage)                       \
   X(PFNGLRENDERBUFFERSTORAGEMULTISAMPLEPROC, RenderbufferStorageMultisample) \
+  X(PFNGLSCISSORPROC, Scissor)                                               \
   X(PFNGLSHADERSOURCEPROC, ShaderSource)                                     \
   X(PFNGLTEXIMAGE2DPROC, TexImage2D)                                         \
   X(PFNGLTEXPARAMETERIPROC, TexParameteri)                                   \
@@ -73,7 +76,8 @@ struct Gl {
 // Throws GlError.
 class GlContext {
  public:
-  GlContext();
+  static constexpr const char* kLibrary = "libEGL.so.1";
+  explicit GlContext(const char* library = kLibrary);
   ~GlContext();
   GlContext(const GlContext&) = delete;
   GlContext& operator=(const GlContext&) = delete;

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <cstdio>
 #include <exception>
 #include <optional>
 #include <string>
 
-#include "folder_writer.hpp"
-#include "log_writer.hpp"
-#include "simulator.hpp"
+#include "gallery.hpp"
+#include "recorder.hpp"
+#include "serve.hpp"
+#include "speed.hpp"
 #include "world_file.hpp"
 
 namespace egomod::sim {
@@ -18,46 +20,39 @@ struct Arguments {
   std::string world;
   std::string folder;
   std::string log;
+  std::string gallery;
   std::optional<std::uint32_t> seed;
   std::optional<double> duration_s;
   FolderOptions options;
+  ServeOptions serve;
   bool list = false;
+  bool speed = false;
 };
 
 World chosen_world(const Arguments& arguments) {
   World world = read_world(find_world(arguments.world, world_folder()));
   if (arguments.seed) world.seed = *arguments.seed;
   // Only shorter: the file was checked for its own duration.
-  if (arguments.duration_s) world.duration_s = std::min(world.duration_s, *arguments.duration_s);
+  if (arguments.duration_s && (world.is_endless() || *arguments.duration_s < world.duration_s)) {
+    world.duration_s = *arguments.duration_s;
+  }
+  return world;
+}
+
+World finite_world(const Arguments& arguments) {
+  World world = chosen_world(arguments);
+  if (world.is_endless()) throw WorldError(world.name + ": is endless; give --duration SECONDS");
   return world;
 }
 
 void record(const Arguments& arguments) {
-  Simulator simulator(chosen_world(arguments));
+  Simulator simulator(finite_world(arguments));
   const World& world = simulator.world();
-  std::optional<FolderWriter> folder;
-  std::optional<LogWriter> log;
-  if (!arguments.folder.empty()) folder.emplace(arguments.folder, world.camera, arguments.options);
-  if (!arguments.log.empty()) log.emplace(arguments.log, world.camera);
-  const auto pairs = static_cast<std::uint64_t>(world.pairs());
-  const auto begin = std::chrono::steady_clock::now();
-  Image left;
-  Image right;
-  Truth truth;
-  for (std::uint64_t pair = 0; pair < pairs; ++pair) {
-    simulator.take_pair(pair, left, right);
-    if (log) log->write(simulator.time_s(pair), left, right);
-    if (folder) {
-      simulator.take_truth(pair, truth);
-      folder->write(pair, simulator.time_s(pair), left, right, truth);
-    }
-  }
-  if (folder) folder->finish();
-  if (log) log->finish();
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
-  std::printf("%s: %llu pairs of %dx%d, %.1f pairs/s, on %s\n", world.name.c_str(),
-              static_cast<unsigned long long>(pairs), world.camera.width_px, world.camera.height_px,
-              static_cast<double>(pairs) / took.count(), simulator.device().c_str());
+  const RecordingSummary done =
+      record(simulator, {arguments.folder, arguments.log, arguments.options});
+  fmt::print("{}: {} left and {} right images of {}x{}, {:.1f} pairs/s, on {}\n", world.name,
+             done.left_images, done.right_images, world.camera.width_px, world.camera.height_px,
+             done.left_images / done.took_s, simulator.device());
 }
 
 void run(const Arguments& arguments) {
@@ -65,7 +60,20 @@ void run(const Arguments& arguments) {
     for (const std::string& name : worlds_in(world_folder())) std::puts(name.c_str());
     return;
   }
+  if (!arguments.gallery.empty()) {
+    write_gallery(world_folder(), arguments.gallery);
+    return;
+  }
   if (arguments.world.empty()) throw WorldError("which world? --list shows them");
+  if (arguments.serve.socket >= 0) {
+    Simulator simulator(chosen_world(arguments));
+    return serve(simulator, arguments.serve);
+  }
+  if (arguments.speed) {
+    Simulator simulator(finite_world(arguments));
+    fmt::print("{}", measure_speed(simulator));
+    return;
+  }
   if (arguments.folder.empty() && arguments.log.empty()) {
     throw WorldError("nothing to write: give --out DIR, --log FILE or both");
   }
@@ -82,14 +90,26 @@ int main(int argc, char** argv) {
   app.add_option(
       "--out", arguments.folder,
       "Folder of the KITTI odometry layout, with poses.txt and objects.csv; overwritten");
-  app.add_option("--log", arguments.log, "LCM log of calibration and images; overwritten");
+  app.add_option("--log", arguments.log, "LCM log of calibration, images and truth; overwritten");
   app.add_option("--seed", arguments.seed, "Of textures and noise (default: the world's)");
   app.add_option("--duration", arguments.duration_s, "End earlier, seconds")
       ->check(CLI::PositiveNumber);
-  app.add_flag("--depth", arguments.options.depth,
-               "Write depth_0 too: 16-bit PNG, millimetres (needs --out)");
-  app.add_flag("--masks", arguments.options.masks,
-               "Write mask_0 too: 8-bit PNG, object ids (needs --out)");
+  app.add_flag("--depth", arguments.options.depth, "Write depth_0 too: 16-bit PNG, millimetres")
+      ->needs("--out");
+  app.add_flag("--masks", arguments.options.masks, "Write mask_0 too: 8-bit PNG, object ids")
+      ->needs("--out");
+  app.add_option("--gallery", arguments.gallery,
+                 "PNG with a picture of each installed world; overwritten");
+  app.add_flag("--speed", arguments.speed, "Write nothing; tell how fast pairs and truth come");
+  auto* serve =
+      app.add_option("--serve", arguments.serve.socket,
+                     "For egomodd --source sim, which starts this program: the socket to it");
+  app.add_flag("--realtime", arguments.serve.realtime,
+               "Serve by the wall clock, and leave out what there is no time for")
+      ->needs(serve);
+  app.add_option("--lcm-url", arguments.serve.lcm_url,
+                 "Serve: the bus on which a driven rig gets its commands")
+      ->needs(serve);
   app.add_flag("--list", arguments.list, "Print the names of the worlds that are installed");
   try {
     app.parse(argc, argv);

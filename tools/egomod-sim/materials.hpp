@@ -14,10 +14,4 @@ namespace egomod::sim {
 [[nodiscard]] test_support::Paint material(const std::string& name, double width_m, double height_m,
                                            std::uint32_t seed);
 
-// The sides of figures and cars.
-[[nodiscard]] test_support::Paint cloth(double base, std::uint32_t seed);
-[[nodiscard]] test_support::Paint face(double width_m, double height_m, std::uint32_t seed);
-[[nodiscard]] test_support::Paint car_body(double width_m, double height_m, std::uint32_t seed);
-[[nodiscard]] test_support::Paint car_cabin(double width_m, double height_m, std::uint32_t seed);
-
 }  // namespace egomod::sim

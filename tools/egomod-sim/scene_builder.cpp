@@ -16,6 +16,7 @@ using test_support::Scene;
 
 constexpr double kFineTexel_m = 0.004;
 constexpr double kMaxTexels = 3e6;  // one surface; more only costs memory bandwidth
+constexpr double kNarrow_m = 4.0;   // side walls this close are seen flat
 constexpr double kPosterGap_m = 0.006;
 
 double texel_m(double width_m, double height_m) {
@@ -47,14 +48,19 @@ void add_shell(const Shell& s, Painter& painter, Body& body) {
   const Vector3d ahead(0, 0, s.length_m);
   const auto wall = [&](const std::string& name, double width_m, const Vector3d& corner,
                         const Vector3d& along, double light) {
-    body.patches.push_back({corner, along, down, painter.surface(name, width_m, h), light});
+    body.patches.push_back({corner, along, down, painter.surface(name, width_m, h), light,
+                            s.width_m < kNarrow_m && along.x() == 0.0});
   };
   wall(s.left, s.length_m, {-x, -h, near_m}, ahead, 0.90);
   wall(s.right, s.length_m, {x, -h, far_m}, -ahead, 1.0);
   wall(s.front, s.width_m, {-x, -h, far_m}, across, 0.95);
   wall(s.back, s.width_m, {x, -h, near_m}, -across, 0.80);
-  body.patches.push_back(
-      {{-x, 0, near_m}, across, ahead, painter.surface(s.floor, s.width_m, s.length_m), 0.95});
+  body.patches.push_back({{-x, 0, near_m},
+                          across,
+                          ahead,
+                          painter.surface(s.floor, s.width_m, s.length_m),
+                          0.95,
+                          true});
   if (s.kind == ShellKind::kStreet) return;
   body.patches.push_back(
       {{-x, -h, near_m}, across, ahead, painter.surface(s.ceiling, s.width_m, s.length_m), 1.0});
@@ -106,7 +112,7 @@ void add_thing(const Thing& thing, std::uint32_t seed, Painter& painter, BuiltSc
   }
   if (thing.id == 0) return;
   const Vector3d centre(0, -thing.lift_m - 0.5 * size_m(thing).y(), 0);
-  built.objects.push_back({thing.id, to_string(thing.kind), centre, T_world_thing});
+  built.objects.push_back({thing.id, to_string(thing.kind), centre, size_m(thing), T_world_thing});
 }
 
 // Three incommensurable waves in each direction; at the start of the way the rig stands level.
@@ -122,21 +128,25 @@ Trajectory rig_trajectory(const Rig& rig) {
   return [rig](double t_s) {
     const PlanPose at = pose_at(rig.motion, t_s);
     const double way_m = rig.motion.spin_radps != 0.0 ? 0.0 : distance_m(rig.motion.profile, t_s);
-    const Wobble& w = rig.wobble;
-    const double pitch = rig.pitch_rad + w.pitch_rad * wave(way_m, w.wavelength_m, 0.3);
-    const double roll = w.roll_rad * wave(way_m, w.wavelength_m, 1.9);
-    const double bounce = w.bounce_m * wave(way_m, w.wavelength_m, 4.1);
-    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-    T.translation() = Vector3d(at.x_m, -rig.height_m - bounce, at.z_m);
-    T.linear() =
-        (Eigen::AngleAxisd(at.heading_rad, Vector3d::UnitY()) *
-         Eigen::AngleAxisd(-pitch, Vector3d::UnitX()) * Eigen::AngleAxisd(roll, Vector3d::UnitZ()))
-            .toRotationMatrix();
-    return T;
+    return T_world_camera(rig, at, way_m);
   };
 }
 
 }  // namespace
+
+Eigen::Isometry3d T_world_camera(const Rig& rig, const PlanPose& at, double way_m) {
+  const Wobble& w = rig.wobble;
+  const double pitch = rig.pitch_rad + w.pitch_rad * wave(way_m, w.wavelength_m, 0.3);
+  const double roll = w.roll_rad * wave(way_m, w.wavelength_m, 1.9);
+  const double bounce = w.bounce_m * wave(way_m, w.wavelength_m, 4.1);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation() = Vector3d(at.x_m, -rig.height_m - bounce, at.z_m);
+  T.linear() =
+      (Eigen::AngleAxisd(at.heading_rad, Vector3d::UnitY()) *
+       Eigen::AngleAxisd(-pitch, Vector3d::UnitX()) * Eigen::AngleAxisd(roll, Vector3d::UnitZ()))
+          .toRotationMatrix();
+  return T;
+}
 
 Trajectory on_floor(const Motion& motion) {
   return [motion](double t_s) {

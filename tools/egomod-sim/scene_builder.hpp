@@ -15,6 +15,7 @@ struct SceneObject {
   int id = 0;
   std::string kind;
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  // of its box, in its own frame
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();    // of that box
   Trajectory T_world_object;
 };
 
@@ -30,5 +31,7 @@ void add_person(test_support::Scene& scene, int id, const Motion& motion, std::u
 void add_car(test_support::Scene& scene, int id, const Trajectory& T_world_car, std::uint32_t seed);
 
 [[nodiscard]] Trajectory on_floor(const Motion& motion);
+// The left camera of a rig that stands there, after that way over an uneven floor.
+[[nodiscard]] Eigen::Isometry3d T_world_camera(const Rig& rig, const PlanPose& at, double way_m);
 
 }  // namespace egomod::sim

@@ -41,6 +41,36 @@ double gain(const Realism& r, int eye, double t_s) {
   return drift * (eye == 0 ? 1.0 : r.right_gain);
 }
 
+// Three taps of the variance asked for, across and down.
+void soften(double sigma_px, Image& image) {
+  const auto side = static_cast<std::uint32_t>(std::lround(128.0 * sigma_px * sigma_px));
+  if (side == 0) return;
+  const std::uint32_t middle = 256 - 2 * side;
+  const auto width = static_cast<std::size_t>(image.width_px());
+  const int last = image.height_px() - 1;
+  std::array<std::vector<std::uint32_t>, 3> rows;  // mixed across: above, this, below
+  const auto mix = [&](int v, std::vector<std::uint32_t>& out) {
+    const std::uint8_t* row = image.row(std::min(v, last));
+    out.resize(width);
+    for (std::size_t u = 1; u + 1 < width; ++u) {
+      out[u] = middle * row[u] + side * (row[u - 1] + row[u + 1]);
+    }
+    out[0] = (middle + side) * row[0] + side * row[1];
+    out[width - 1] = (middle + side) * row[width - 1] + side * row[width - 2];
+  };
+  mix(0, rows[0]);
+  mix(0, rows[1]);
+  for (int v = 0; v <= last; ++v) {
+    mix(v + 1, rows[2]);
+    std::uint8_t* row = image.row(v);
+    for (std::size_t u = 0; u < width; ++u) {
+      row[u] = static_cast<std::uint8_t>(
+          (middle * rows[1][u] + side * (rows[0][u] + rows[2][u]) + 32768U) >> 16U);
+    }
+    std::rotate(rows.begin(), rows.begin() + 1, rows.end());
+  }
+}
+
 // Standard deviation by grey level.
 std::array<float, 256> deviations(const Realism& r) {
   std::array<float, 256> out{};
@@ -60,6 +90,7 @@ Sensor::Sensor(const Realism& realism, int width_px, int height_px, std::uint32_
       normal_(normals(seed)) {}
 
 void Sensor::expose(int eye, std::uint64_t pair, double t_s, Image& image) const {
+  soften(realism_.softness_px, image);
   const auto deviation = deviations(realism_);
   const auto gained = static_cast<float>(gain(realism_, eye, t_s));
   const auto width = static_cast<std::size_t>(image.width_px());

@@ -9,8 +9,9 @@
 
 namespace egomod::sim {
 
-// Makes a rendering look as one of the two cameras would have taken it: vignetting, exposure,
-// noise that grows with the light. The same seed, eye and pair give the same noise.
+// Makes a rendering look as one of the two cameras would have taken it: softness of lens and colour
+// filter, vignetting, exposure, noise that grows with the light. The same seed, eye and pair give
+// the same noise.
 class Sensor {
  public:
   Sensor(const Realism& realism, int width_px, int height_px, std::uint32_t seed);

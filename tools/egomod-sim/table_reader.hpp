@@ -4,25 +4,43 @@
 #include <toml++/toml.h>
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace egomod::sim {
 
+struct WorldError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// What a key of a world file may be.
+struct KeyDescription {
+  std::string fallback;  // empty: the key is required, or is a table
+  std::string range;
+};
+// By the key's full name: "object.motion.speed_mps".
+using KeyCatalogue = std::map<std::string, KeyDescription>;
+
 // Reads one table of a file, and complains with file, line and key about whatever cannot be used;
 // `finish` complains about keys that nobody asked for. Throws WorldError.
 class TableReader {
  public:
-  TableReader(const toml::table& table, std::string file, std::string name)
-      : table_(table), file_(std::move(file)), name_(std::move(name)) {}
+  // Into `catalogue`, where there is one, goes every key that is asked for; the first reader of a
+  // key describes it.
+  TableReader(const toml::table& table, std::string file, std::string name,
+              KeyCatalogue* catalogue = nullptr)
+      : table_(table), file_(std::move(file)), name_(std::move(name)), catalogue_(catalogue) {}
 
   [[nodiscard]] bool has(const std::string& key) const { return table_.contains(key); }
   // Inclusive limits.
   double number(const std::string& key, std::optional<double> fallback, double min, double max);
   int integer(const std::string& key, std::optional<int> fallback, int min, int max);
-  std::vector<double> numbers(const std::string& key, std::size_t count, double min, double max);
+  std::vector<double> numbers(const std::string& key, std::size_t count, double min, double max,
+                              const std::vector<double>& fallback = {});
   std::vector<std::vector<double>> points(const std::string& key, double min, double max);
   // One of `names`; which one.
   std::size_t choice(const std::string& key, const std::vector<std::string>& names,
@@ -34,7 +52,7 @@ class TableReader {
   [[noreturn]] void fail(const std::string& key, const std::string& why) const;
 
  private:
-  const toml::node* find(const std::string& key, bool required);
+  const toml::node* find(const std::string& key, const KeyDescription& description);
   [[nodiscard]] double checked(const toml::node& node, const std::string& key, double min,
                                double max) const;
   [[nodiscard]] std::vector<double> row(const toml::node& node, const std::string& key,
@@ -44,6 +62,7 @@ class TableReader {
   const toml::table& table_;
   std::string file_;
   std::string name_;
+  KeyCatalogue* catalogue_;
   std::set<std::string> known_;
 };
 

@@ -7,8 +7,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "camera_tables.hpp"
+#include "drive_file.hpp"
 #include "materials.hpp"
 #include "table_reader.hpp"
+#include "world_check.hpp"
 
 namespace egomod::sim {
 namespace {
@@ -16,39 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kFar_m = 1000.0;
-constexpr double kRadPerDeg = M_PI / 180.0;
-constexpr double kCheck_s = 0.05;
 constexpr double kMaxSpeed_mps = 50.0;
-
-double degrees(TableReader& in, const std::string& key, double limit_deg) {
-  return in.number(key, 0.0, -limit_deg, limit_deg) * kRadPerDeg;
-}
-
-void read_camera(TableReader& in, World& world) {
-  StereoCamera& camera = world.camera;
-  camera.width_px = in.integer("width_px", 640, 64, 4096);
-  camera.height_px = in.integer("height_px", 480, 64, 4096);
-  camera.fx_px = in.number("focal_px", 525.0 * camera.width_px / 640.0, 10.0, 10000.0);
-  camera.fy_px = camera.fx_px;
-  camera.cx_px = in.number("cx_px", 0.5 * (camera.width_px - 1), 0.0, camera.width_px);
-  camera.cy_px = in.number("cy_px", 0.5 * (camera.height_px - 1), 0.0, camera.height_px);
-  camera.baseline_m = in.number("baseline_m", 0.375, 0.001, 10.0);
-  world.rate_hz = in.number("rate_hz", 30.0, 0.1, 1000.0);
-}
-
-void read_realism(TableReader& in, Realism& r) {
-  r.read_noise = in.number("read_noise", r.read_noise, 0.0, 50.0);
-  r.shot_noise = in.number("shot_noise", r.shot_noise, 0.0, 5.0);
-  r.vignetting = in.number("vignetting", r.vignetting, 0.0, 0.9);
-  r.right_gain = in.number("right_gain", r.right_gain, 0.2, 5.0);
-  r.gain_drift = in.number("gain_drift", r.gain_drift, 0.0, 0.5);
-  r.gain_drift_period_s = in.number("gain_drift_period_s", r.gain_drift_period_s, 0.1, 1e4);
-  r.exposure_s = in.number("exposure_s", r.exposure_s, 0.0, 1.0);
-  r.blur_samples = in.integer("blur_samples", r.blur_samples, 1, 64);
-  if (r.exposure_s > 0.0 && r.blur_samples == 1) {
-    in.fail("exposure_s", "blurs only with blur_samples of 2 or more");
-  }
-}
 
 void read_profile(TableReader& in, SpeedProfile& p) {
   p.acceleration_mps2 = in.number("acceleration_mps2", 0.0, -20.0, 20.0);
@@ -123,31 +94,24 @@ void read_wobble(TableReader& in, Wobble& wobble) {
   wobble.wavelength_m = in.number("wavelength_m", wobble.wavelength_m, 0.01, 100.0);
 }
 
-// Whether a circle of this radius leaves the floor, and when.
-void check_inside(const World& world, const Motion& motion, double radius_m, TableReader& in) {
-  const Shell& s = world.shell;
-  for (double t = 0.0; t < world.duration_s; t += kCheck_s) {
-    const PlanPose at = pose_at(motion, t);
-    if (std::abs(at.x_m) + radius_m <= 0.5 * s.width_m && at.z_m - radius_m >= -s.rear_m &&
-        at.z_m + radius_m <= s.length_m - s.rear_m) {
-      continue;
-    }
-    in.fail(
-        "motion",
-        fmt::format("at {:.2f} s it is outside the world: x {:.2f}, z {:.2f} m, with {:.2f} m "
-                    "round it; the floor reaches from x {:.2f} to {:.2f} and z {:.2f} to {:.2f}",
-                    t, at.x_m, at.z_m, radius_m, -0.5 * s.width_m, 0.5 * s.width_m, -s.rear_m,
-                    s.length_m - s.rear_m));
-  }
+void read_rig_motion(TableReader& in, World& world) {
+  Rig& rig = world.rig;
+  if (!in.has("driven")) return read_required_motion(in, rig.motion);
+  if (in.has("motion")) in.fail("motion", "a rig that is driven has none of its own");
+  in.table("driven", [&](TableReader& table) {
+    rig.driven = read_drive(table, floor_of(world.shell));
+    rig.motion.path = endless_path(rig.driven->start, 0.0);
+  });
 }
 
 void read_rig(TableReader& in, World& world) {
   Rig& rig = world.rig;
   rig.height_m = in.number("height_m", rig.height_m, 0.05, 10.0);
   rig.pitch_rad = degrees(in, "pitch_deg", 60.0);
-  read_required_motion(in, rig.motion);
+  read_rig_motion(in, world);
   in.table("wobble", [&](TableReader& table) { read_wobble(table, rig.wobble); });
-  check_inside(world, rig.motion, 0.1, in);
+  const char* const way = rig.driven ? "driven" : "motion";
+  if (const auto fault = fault_of_rig(world)) in.fail(way, *fault);
   if (rig.height_m >= world.shell.height_m) in.fail("height_m", "is above the ceiling");
 }
 
@@ -167,11 +131,12 @@ void read_shell(TableReader& in, Shell& shell) {
              .right = "facade",
              .front = "facade",
              .back = "facade",
-             .floor = "asphalt"};
+             .floor = "road"};
   shell.width_m = in.number("width_m", std::nullopt, 0.5, kFar_m);
   shell.length_m = in.number("length_m", std::nullopt, 0.5, kFar_m);
   shell.height_m = in.number("height_m", street ? 9.0 : 2.8, 0.5, 100.0);
-  shell.rear_m = in.number("rear_m", shell.rear_m, 0.0, shell.length_m);
+  shell.rear_m = in.number("rear_m", shell.rear_m, 0.0, kFar_m);
+  if (shell.rear_m > shell.length_m) in.fail("rear_m", "is more than length_m");
   for (auto [key, field] : {std::pair{"left", &Shell::left}, std::pair{"right", &Shell::right},
                             std::pair{"front", &Shell::front}, std::pair{"back", &Shell::back},
                             std::pair{"floor", &Shell::floor}}) {
@@ -186,10 +151,8 @@ void read_poster(TableReader& in, World& world) {
   poster.wall = static_cast<Wall>(in.choice("wall", {"left", "right", "front", "back"}, {}));
   poster.along_m = in.number("along_m", std::nullopt, -kFar_m, kFar_m);
   poster.height_m = in.number("height_m", poster.height_m, 0.0, kFar_m);
-  if (in.has("size_m")) {
-    const auto size = in.numbers("size_m", 2, 0.05, 20.0);
-    poster.size_m = {size[0], size[1]};
-  }
+  const auto size = in.numbers("size_m", 2, 0.05, 20.0, {poster.size_m.x(), poster.size_m.y()});
+  poster.size_m = {size[0], size[1]};
   const Eigen::Vector2d half = 0.5 * poster.size_m;
   const bool side = poster.wall == Wall::kLeft || poster.wall == Wall::kRight;
   const double from = side ? -shell.rear_m : -0.5 * shell.width_m;
@@ -218,11 +181,7 @@ void read_furniture(TableReader& in, World& world) {
   Thing thing;
   read_box(in, world, thing);
   thing.motion.path = endless_path(read_place(in), 0.0);
-  const PlanPose at = thing.motion.path.front().start;
-  const Shell& s = world.shell;
-  if (std::abs(at.x_m) > 0.5 * s.width_m || at.z_m < -s.rear_m || at.z_m > s.length_m - s.rear_m) {
-    in.fail("position_m", "is outside the world");
-  }
+  if (const auto fault = fault_of_thing(world, thing)) in.fail("position_m", *fault);
   world.things.push_back(thing);
 }
 
@@ -233,8 +192,7 @@ void read_object(TableReader& in, World& world, int id) {
       static_cast<ThingKind>(in.choice("kind", {"box", "pioneer", "person", "car"}, std::nullopt));
   if (thing.kind == ThingKind::kBox) read_box(in, world, thing);
   read_required_motion(in, thing.motion);
-  const Eigen::Vector3d size = size_m(thing);
-  check_inside(world, thing.motion, 0.5 * std::min(size.x(), size.z()), in);
+  if (const auto fault = fault_of_thing(world, thing)) in.fail("motion", *fault);
   world.things.push_back(thing);
 }
 
@@ -242,13 +200,15 @@ constexpr int kMaxObjects = 200;
 
 World read(TableReader& in) {
   World world;
-  world.duration_s = in.number("duration_s", std::nullopt, 0.001, 1e5);
+  world.duration_s = in.number("duration_s", std::nullopt, 0.0, 1e5);
   world.seed = static_cast<std::uint32_t>(in.integer("seed", 1, 0, 1'000'000'000));
   for (const char* key : {"shell", "rig", "camera"}) {
     if (!in.has(key)) in.fail(key, "is missing");
   }
   in.table("camera", [&](TableReader& table) { read_camera(table, world); });
-  in.table("realism", [&](TableReader& table) { read_realism(table, world.realism); });
+  in.table("realism", [&](TableReader& table) { read_realism(table, world); });
+  in.table("timing", [&](TableReader& table) { read_timing(table, world); });
+  in.table("calibration_error", [&](TableReader& table) { read_calibration_error(table, world); });
   in.table("shell", [&](TableReader& table) { read_shell(table, world.shell); });
   in.table("rig", [&](TableReader& table) { read_rig(table, world); });
   in.tables("poster", [&](TableReader& table) { read_poster(table, world); });
@@ -258,13 +218,16 @@ World read(TableReader& in) {
     if (++id > kMaxObjects) table.fail("kind", fmt::format("more than {} objects", kMaxObjects));
     read_object(table, world, id);
   });
+  if (world.is_endless() && !world.rig.driven) {
+    in.fail("duration_s", "only a world whose rig is driven can be endless");
+  }
   in.finish();
   return world;
 }
 
 }  // namespace
 
-World read_world(const fs::path& file) {
+World read_world(const fs::path& file, KeyCatalogue* catalogue) {
   if (!fs::is_regular_file(file)) throw WorldError(file.string() + ": there is no such file");
   toml::table table;
   try {
@@ -273,7 +236,7 @@ World read_world(const fs::path& file) {
     throw WorldError(
         fmt::format("{}:{}: {}", file.string(), error.source().begin.line, error.description()));
   }
-  TableReader reader(table, file.string(), "");
+  TableReader reader(table, file.string(), "", catalogue);
   World world = read(reader);
   world.name = file.stem();
   return world;

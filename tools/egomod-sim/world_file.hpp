@@ -2,20 +2,18 @@
 #pragma once
 
 #include <filesystem>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "table_reader.hpp"
 #include "world.hpp"
 
 namespace egomod::sim {
 
-struct WorldError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
-// Throws WorldError: "file:line: key: what is wrong".
-[[nodiscard]] World read_world(const std::filesystem::path& file);
+// Throws WorldError: "file:line: key: what is wrong". `catalogue` gets the keys that such a file
+// may have.
+[[nodiscard]] World read_world(const std::filesystem::path& file,
+                               KeyCatalogue* catalogue = nullptr);
 // A path, if it has a slash or ends in .toml; else a world in `folder`.
 [[nodiscard]] std::filesystem::path find_world(const std::string& name,
                                                const std::filesystem::path& folder);

@@ -44,6 +44,9 @@ class FrameSource {
   // Fills `pair` in place: images rectified, in order of exposure, sequence counted by the source.
   [[nodiscard]] virtual SourceState next(StereoPair& pair, std::stop_token stop) = 0;
   [[nodiscard]] virtual bool is_replay() const = 0;
+  // `next` sleeps until a pair arrives and notes when: such a source keeps its own pace, and its
+  // sleep is no work. A replay from a disk hands a pair out whenever it is asked.
+  [[nodiscard]] virtual bool waits_for_arrival() const { return !is_replay(); }
   // Pairs in a replay, 0 if unknown: for progress.
   [[nodiscard]] virtual std::uint64_t size() const { return 0; }
   [[nodiscard]] virtual std::string error() const { return {}; }
@@ -56,11 +59,13 @@ class FrameSource {
   virtual void set_calibration(const Calibration& calibration) = 0;
 };
 
-// `spec` is the SPEC of --source: folder:DIR, log:FILE, lcm, ... Throws SourceError.
-// `rig_file` (may be empty) overrides the calibration that the source brings along.
+// `spec` is the SPEC of --source: folder:DIR, log:FILE, lcm, sim[:WORLD], ... Throws SourceError.
+// `rig_file` (may be empty) overrides the calibration that the source brings along. `realtime`: a
+// source that could go at any pace keeps that of the wall clock.
 [[nodiscard]] std::unique_ptr<FrameSource> open_source(const std::string& spec,
                                                        const CaptureConfig& config,
                                                        const std::string& rig_file,
-                                                       const std::string& lcm_url);
+                                                       const std::string& lcm_url,
+                                                       bool realtime = false);
 
 }  // namespace egomod

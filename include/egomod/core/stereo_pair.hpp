@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "egomod/core/calibration.hpp"
 #include "egomod/core/image.hpp"
@@ -13,6 +15,13 @@ enum class PairStatus : std::uint8_t {
   kOk,
   kSkipped,   // dropped before features by capture.max_rate_hz; images may be empty
   kRejected,  // no right image within the skew limit, or an image that cannot be used
+};
+
+// What a source hands along for the bus and the record, encoded already, such as the truth of a
+// rendered world. No stage looks into it.
+struct EnclosedMessage {
+  std::string channel;
+  std::vector<std::uint8_t> bytes;
 };
 
 // Left and right image of one instant, rectified. Every left image becomes one of these, also when
@@ -30,6 +39,7 @@ struct StereoPair {
   Calibration calibration;
   Image left;
   Image right;
+  std::vector<EnclosedMessage> enclosed{};  // in the order in which they are published
 
   [[nodiscard]] Nanoseconds skew() const { return right_exposure - exposure; }
   // The pair's time on the bus, microseconds.

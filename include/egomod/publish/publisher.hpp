@@ -24,7 +24,7 @@ struct PublishStatistics {
 
 // The publish stage: each message is encoded once, and the same bytes go to the bus and to the
 // record; order: pair, then CALIBRATION (first and on change), POSE, VELOCITY, OBJECTS, TRACKS,
-// IMAGES, TIMING.
+// IMAGES, TIMING, and what the source has enclosed.
 // Threads: `publish` and `close` from one; `publish_health`, `statistics`, `take_warnings` from
 // any.
 class Publisher {
