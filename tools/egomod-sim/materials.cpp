@@ -66,8 +66,8 @@ Paint boards(std::uint32_t seed) {
     if (ds < 0.024 || dt < 0.024) return 120.0;
     // Not in rows: a pattern that repeats is taken for itself one period further.
     const double chance = value_noise(i * 7.3 + 0.5, j * 5.9 + 0.5, seed + 3);
-    if (chance > 0.42) {
-      return 205.0 + 60.0 * chance - 20.0 * (std::fmod(ds, 0.1) < 0.012 ? 1.0 : 0.0);
+    if (chance > 0.55) {
+      return 195.0 + 70.0 * chance - 20.0 * (std::fmod(ds, 0.1) < 0.012 ? 1.0 : 0.0);
     }
     const double hole = value_noise(s / 0.02, t / 0.02, seed + 1);
     return 172.0 + 8.0 * value_noise(i * 3.1 + 0.5, j * 2.7 + 0.5, seed) +

@@ -104,7 +104,7 @@ std::optional<std::string> runs_into_things(const World& world, const Footprint&
   for (const Thing& thing : world.things) {
     const std::string name = thing.id > 0 ? fmt::format("object[{}]", thing.id)
                                           : fmt::format("furniture[{}]", ++furniture);
-    if (const auto fault = runs_into(world, one, footprint_of(thing), name)) return fault;
+    if (auto fault = runs_into(world, one, footprint_of(thing), name)) return fault;
   }
   return std::nullopt;
 }
@@ -113,17 +113,16 @@ std::optional<std::string> runs_into_things(const World& world, const Footprint&
 
 std::optional<std::string> fault_of_rig(const World& world) {
   const Footprint rig = footprint_of(world.rig);
-  if (const auto fault = leaves_floor(world, rig)) return fault;
+  if (auto fault = leaves_floor(world, rig)) return fault;
   return runs_into_things(world, rig);
 }
 
 std::optional<std::string> fault_of_thing(const World& world, const Thing& thing) {
   const Footprint footprint = footprint_of(thing);
-  if (const auto fault = leaves_floor(world, footprint)) return fault;
+  if (auto fault = leaves_floor(world, footprint)) return fault;
   // Nobody knows yet where a driven rig will be.
   if (!world.rig.driven) {
-    auto fault = runs_into(world, footprint, footprint_of(world.rig), "the rig");
-    if (fault) return fault;
+    if (auto fault = runs_into(world, footprint, footprint_of(world.rig), "the rig")) return fault;
   }
   if (thing.id == 0) return std::nullopt;  // furniture may be built of several pieces
   return runs_into_things(world, footprint);
