@@ -110,6 +110,12 @@ void print_objects(const ObjectsComparison& result) {
 
 }  // namespace
 
+std::string drift_text(const PathComparison& path) {
+  constexpr double kShortest_m = 0.1;
+  if (path.length_m < kShortest_m) return {};
+  return fmt::format(": {:.2f} % drift", 100.0 * path.end_error_m / path.length_m);
+}
+
 PathComparison compare_paths(const fs::path& sequence, const fs::path& result) {
   const auto truth = positions(sequence / "poses.txt");
   const auto estimate = positions(result / "poses.txt");
@@ -181,10 +187,8 @@ void print_comparison(const fs::path& sequence, const fs::path& result, double e
     fmt::print("latency    {:<16} median {:6.2f} ms, 99 % below {:6.2f} ms\n", stage,
                latency.median_ms, latency.p99_ms);
   }
-  fmt::print(
-      "path       {:.3f} m ({:.3f} m are true); ends {:.1f} mm from the truth: {:.2f} % drift\n",
-      path.estimated_m, path.length_m, 1e3 * path.end_error_m,
-      100.0 * path.end_error_m / std::max(path.length_m, 1e-9));
+  fmt::print("path       {:.3f} m ({:.3f} m are true); ends {:.1f} mm from the truth{}\n",
+             path.estimated_m, path.length_m, 1e3 * path.end_error_m, drift_text(path));
   print_objects(compare_objects(sequence, result));
 }
 

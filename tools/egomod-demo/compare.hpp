@@ -45,6 +45,8 @@ struct StageLatency {
 // Of timing.csv; empty without one.
 [[nodiscard]] std::map<std::string, StageLatency> latencies(const std::filesystem::path& result);
 
+// ": 1.23 % drift"; empty where the rig hardly moved, since a share of nothing says nothing.
+[[nodiscard]] std::string drift_text(const PathComparison& path);
 // The readable summary, on stdout.
 void print_comparison(const std::filesystem::path& sequence, const std::filesystem::path& result,
                       double elapsed_s);

@@ -39,6 +39,11 @@ TEST_F(Compare, DriftIsTheDistanceAtTheEnd) {
   EXPECT_NEAR(path.end_error_m, 0.05, 1e-12);
 }
 
+TEST_F(Compare, DriftIsNoShareOfAPathThatIsNone) {
+  EXPECT_EQ(drift_text({.length_m = 2.0, .end_error_m = 0.05}), ": 2.50 % drift");
+  EXPECT_EQ(drift_text({.length_m = 1e-9, .end_error_m = 0.05}), "");
+}
+
 TEST_F(Compare, MissingPosesAreAnError) {
   write(truth_ / "poses.txt", std::string(kStart) + kStart);
   write(result_ / "poses.txt", kStart);
