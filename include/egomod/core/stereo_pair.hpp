@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "egomod/core/calibration.hpp"
@@ -15,6 +16,15 @@ enum class PairStatus : std::uint8_t {
   kRejected,  // no right image within the skew limit, or an image that cannot be used
 };
 
+// Why a pair was rejected.
+enum class PairFault : std::uint8_t {
+  kNone,
+  kNoPartner,  // there is no right image
+  kSkew,       // the nearest right image lies beyond the limit; `right_exposure` is its time
+  kDamaged,    // an image cannot be decoded, or is not of the calibration's size
+};
+inline constexpr std::size_t kPairFaults = 4;
+
 // Left and right image of one instant, rectified. Every left image becomes one of these, also when
 // it cannot be used, so that subscribers and poses.txt can count.
 struct StereoPair {
@@ -25,6 +35,7 @@ struct StereoPair {
       0};                  // exposure + epoch_offset: since the epoch; 0 in replays and on the bus
   Nanoseconds arrival{0};  // host monotonic clock, when the pair was complete
   PairStatus status = PairStatus::kOk;
+  PairFault fault = PairFault::kNone;
   bool discontinuity =
       false;  // the stream broke before this pair (clock step, camera lost): re-seed
   Calibration calibration;
