@@ -27,7 +27,7 @@ std::vector<std::string> sentences(std::int64_t faults, const HealthInputs& inpu
       {health_t::FAULT_PAIRS_REJECTED,
        fmt::format("pairs cannot be used, {} so far", pipeline.rejected)},
       {health_t::FAULT_PAIRS_DROPPED,
-       fmt::format("the stages cannot keep up, {} pairs dropped so far", pipeline.dropped)},
+       fmt::format("the stages cannot keep up, {} pairs dropped so far", pipeline.dropped_usable)},
       {health_t::FAULT_STREAM_BROKEN, fmt::format("the stream broke, {} times", inputs.run.breaks)},
       {health_t::FAULT_NO_MOTION,
        fmt::format("no motion could be estimated in {} pairs", inputs.run.failed)},
@@ -103,7 +103,8 @@ std::int64_t HealthReporter::faults(const HealthInputs& inputs) const {
   std::int64_t bits = 0;
   const auto set = [&](bool is_set, std::int64_t bit) { bits |= is_set ? bit : 0; };
   set(now.rejected > before.rejected, health_t::FAULT_PAIRS_REJECTED);
-  set(now.dropped > before.dropped, health_t::FAULT_PAIRS_DROPPED);
+  // That newer ones overtake pairs which cannot be used says nothing of the stages.
+  set(now.dropped_usable > before.dropped_usable, health_t::FAULT_PAIRS_DROPPED);
   set(inputs.run.breaks > before_.run.breaks, health_t::FAULT_STREAM_BROKEN);
   set(inputs.run.failed > before_.run.failed, health_t::FAULT_NO_MOTION);
   set(inputs.run.ambiguous > before_.run.ambiguous, health_t::FAULT_AMBIGUOUS);
