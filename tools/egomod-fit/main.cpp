@@ -56,11 +56,11 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("!--no-plot", options.plot, "draw no figure (gnuplot is not needed then)");
 }
 
-Labels load(const Options& options) {
-  if (options.record.empty()) return read_labels(options.labels);
-  Labels labels = label_record(options.record, options.truth);
-  write_labels(options.output + "/labels.csv", labels);
-  return labels;
+RecordLabels load(const Options& options) {
+  if (options.record.empty()) return {.labels = read_labels(options.labels), .damage = {}};
+  RecordLabels result = label_record(options.record, options.truth);
+  write_labels(options.output + "/labels.csv", result.labels);
+  return result;
 }
 
 void drop_mismatches(const char* name, double max_speed_mps, std::vector<double>& speeds_mps) {
@@ -112,7 +112,7 @@ void write_configuration(const std::string& path, const RayleighClassifier& clas
 
 void run(const Options& options) {
   std::filesystem::create_directories(options.output);
-  Labels labels = load(options);
+  auto [labels, damage] = load(options);
   if (options.max_speed_mps > 0.0) {
     drop_mismatches("static", options.max_speed_mps, labels.static_mps);
     drop_mismatches("moving", options.max_speed_mps, labels.moving_mps);
@@ -133,6 +133,8 @@ void run(const Options& options) {
         "right, do mismatches dominate (--max-speed-mps), is the rate low enough?");
   }
   write_configuration(options.output + "/moving_objects.toml", fit.classifier, *threshold);
+  if (!damage.empty()) throw InputError(damage + "; what is whole has been used");
+  if (std::fflush(stdout) != 0) throw InputError("standard output: cannot be written");
 }
 
 }  // namespace
