@@ -5,11 +5,13 @@ include(CMakePackageConfigHelpers)
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/egomod")
 
 set_target_properties(egomod_lcmtypes PROPERTIES EXPORT_NAME lcmtypes)
-install(TARGETS egomod_lcmtypes EXPORT egomodTargets)
-install(EXPORT egomodTargets NAMESPACE egomod:: DESTINATION ${package_dir})
+install(TARGETS egomod_lcmtypes EXPORT egomodMessagesTargets)
+foreach(export egomodAlgorithmsTargets egomodMessagesTargets egomodDaemonTargets)
+  install(EXPORT ${export} NAMESPACE egomod:: DESTINATION ${package_dir})
+endforeach()
 
 write_basic_package_version_file("${CMAKE_CURRENT_BINARY_DIR}/egomodConfigVersion.cmake"
   COMPATIBILITY SameMinorVersion)
-install(FILES cmake/egomodConfig.cmake cmake/EgomodOpenCV.cmake cmake/FindLCM.cmake
+install(FILES cmake/egomodConfig.cmake cmake/FindLCM.cmake
   "${CMAKE_CURRENT_BINARY_DIR}/egomodConfigVersion.cmake" DESTINATION ${package_dir})
 install(FILES README.md CONTRIBUTING.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

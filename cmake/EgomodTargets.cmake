@@ -8,6 +8,19 @@ function(egomod_warnings target)
   endif()
 endfunction()
 
+# What find_package(egomod) can be asked for by name: three exports, each with what it needs. See egomodConfig.cmake.
+set(egomod_algorithms core features egomotion moving_objects)
+set(egomod_messages lcmtypes bus)
+function(egomod_export_of name result)
+  if(name IN_LIST egomod_algorithms)
+    set(${result} egomodAlgorithmsTargets PARENT_SCOPE)
+  elseif(name IN_LIST egomod_messages)
+    set(${result} egomodMessagesTargets PARENT_SCOPE)
+  else()
+    set(${result} egomodDaemonTargets PARENT_SCOPE)
+  endif()
+endfunction()
+
 # egomod_library(NAME folder SOURCES a.cpp ... LINK public... LINK_PRIVATE private...)
 # A library egomod_<folder> whose headers are include/egomod/<folder>/*.hpp, each proven to compile alone
 # by the target all_verify_interface_header_sets.
@@ -22,7 +35,8 @@ function(egomod_library)
   set_target_properties(${target} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON EXPORT_NAME ${arg_NAME})
   target_link_libraries(${target} PUBLIC ${arg_LINK} PRIVATE ${arg_LINK_PRIVATE})
   egomod_warnings(${target})
-  install(TARGETS ${target} EXPORT egomodTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+  egomod_export_of(${arg_NAME} export)
+  install(TARGETS ${target} EXPORT ${export} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
     FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 endfunction()
 
