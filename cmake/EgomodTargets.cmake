@@ -49,6 +49,9 @@ function(egomod_program)
   install(TARGETS ${arg_NAME} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endfunction()
 
+# All tests and what they run, and nothing else.
+add_custom_target(egomod_tests)
+
 # egomod_test(NAME name SOURCES ... LINK ... [TIMEOUT s] [LABELS slow]): one GoogleTest program, one
 # ctest entry a test case. What is labelled slow does not run under the sanitizers.
 function(egomod_test)
@@ -57,6 +60,7 @@ function(egomod_test)
   set_target_properties(${arg_NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
   target_link_libraries(${arg_NAME} PRIVATE ${arg_LINK} GTest::gtest_main GTest::gmock)
   egomod_warnings(${arg_NAME})
+  add_dependencies(egomod_tests ${arg_NAME})
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 120)
   endif()

@@ -8,14 +8,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-double milliseconds(Nanoseconds t) { return 1e3 * to_seconds(t); }
-
 stage_latency_t latency_of(const char* stage, const LatencySummary& latency) {
   stage_latency_t message;
   message.name = stage;
-  message.p50 = milliseconds(latency.p50);
-  message.p99 = milliseconds(latency.p99);
-  message.max = milliseconds(latency.max);
+  message.p50 = to_milliseconds(latency.p50);
+  message.p99 = to_milliseconds(latency.p99);
+  message.max = to_milliseconds(latency.max);
   return message;
 }
 
@@ -84,8 +82,8 @@ void fill(const HealthInputs& inputs, std::int64_t faults, health_t& message) {
   message.dropped_images = static_cast<std::int64_t>(inputs.source.dropped_images);
   message.damaged_messages = static_cast<std::int64_t>(inputs.source.damaged_messages);
   message.bus_errors = static_cast<std::int64_t>(inputs.publish.bus_errors);
-  message.skew = milliseconds(pipeline.last_skew);
-  message.skew_max = milliseconds(pipeline.max_skew);
+  message.skew = to_milliseconds(pipeline.last_skew);
+  message.skew_max = to_milliseconds(pipeline.max_skew);
   message.reset_count = static_cast<std::int32_t>(inputs.run.resets);
   message.stages.clear();
   for (std::size_t i = 0; i < kStageCount; ++i) {

@@ -9,7 +9,6 @@
 
 #include "kitti_writer.hpp"
 #include "run_program.hpp"
-#include "scenes.hpp"
 
 namespace egomod {
 namespace {
@@ -26,15 +25,36 @@ class BadInput : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     root_ = fs::path(::testing::TempDir()) / ("egomod_bad_input_" + std::to_string(getpid()));
-    fs::create_directories(root_ / "good");
-    test_support::SyntheticWorld world(test_support::following_robot(),
-                                       test_support::kinect_pair(320));
-    test_support::write_kitti_sequence(world, {.rate_hz = 10.0, .pairs = kPairs}, root_ / "good");
-    run({EGOMOD_LOG, "import", root_ / "good", root_ / "good.log"});
-    run({EGOMODD, kNoBus, "--source=folder:" + (root_ / "good").string(), "--record",
-         root_ / "record"});
+    copy_good_folder(root_ / "good");
   }
   static void TearDownTestSuite() { fs::remove_all(root_); }
+
+  // The first pairs of a rendered sequence.
+  static void copy_good_folder(const fs::path& to) {
+    const fs::path from = EGOMOD_TEST_SEQUENCES "/slow_320";
+    for (const char* side : {"image_0", "image_1"}) {
+      fs::create_directories(to / side);
+      for (int i = 0; i < kPairs; ++i) {
+        const std::string name = "00000" + std::to_string(i) + ".png";
+        fs::copy_file(from / side / name, to / side / name);
+      }
+    }
+    fs::copy_file(from / "calib.txt", to / "calib.txt");
+    write(to / "times.txt", "0\n0.1\n0.2\n0.3\n0.4\n");
+  }
+  // Its images as a log, and a record of it: made when a test asks for them.
+  static fs::path good_log() {
+    const fs::path log = root_ / "good.log";
+    if (!fs::exists(log)) run({EGOMOD_LOG, "import", root_ / "good", log});
+    return log;
+  }
+  static fs::path good_record() {
+    const fs::path record = root_ / "record";
+    if (!fs::exists(record)) {
+      run({EGOMODD, kNoBus, "--source=folder:" + (root_ / "good").string(), "--record", record});
+    }
+    return record;
+  }
 
   static Outcome run(const std::vector<std::string>& command) {
     return run_program(command, root_ / "output");
@@ -178,7 +198,7 @@ TEST_F(BadInput, bytes_that_are_no_text_do_not_reach_the_terminal) {
 
 TEST_F(BadInput, not_one_pair_can_be_used) {
   EXPECT_THAT(
-      refusal_of_source("log:" + (root_ / "good.log").string(),
+      refusal_of_source("log:" + good_log().string(),
                         {"--set=capture.left_channel=LEFT", "--set=capture.right_channel=RIGHT"}),
       HasSubstr("holds no left images on LEFT and RIGHT"));
   fs::copy(root_ / "good", root_ / "late", fs::copy_options::recursive);
@@ -217,7 +237,7 @@ TEST_F(BadInput, times_run_backwards_repeat_or_are_no_numbers) {
 }
 
 TEST_F(BadInput, a_truncated_log_is_used_as_far_as_it_is_whole) {
-  fs::copy_file(root_ / "good.log", root_ / "cut.log", fs::copy_options::overwrite_existing);
+  fs::copy_file(good_log(), root_ / "cut.log", fs::copy_options::overwrite_existing);
   fs::resize_file(root_ / "cut.log", fs::file_size(root_ / "cut.log") - 1000);
   const fs::path record = root_ / "cut_record";
   EXPECT_THAT(refusal_of_source("log:" + (root_ / "cut.log").string(), {"--record", record}),
@@ -242,19 +262,18 @@ TEST_F(BadInput, what_is_named_as_a_log_is_none) {
 }
 
 TEST_F(BadInput, a_channel_carries_another_type) {
-  EXPECT_THAT(refusal_of_source("log:" + (root_ / "record").string(),
+  EXPECT_THAT(refusal_of_source("log:" + good_record().string(),
                                 {"--set=capture.left_channel=EGOMOD_POSE",
                                  "--set=capture.right_channel=EGOMOD_VELOCITY"}),
               AllOf(HasSubstr("event 1 on channel EGOMOD_POSE"), HasSubstr("bot_core.image_t")));
 }
 
 TEST_F(BadInput, a_record_holds_no_images) {
-  EXPECT_THAT(refusal_of_source("log:" + (root_ / "record").string()),
+  EXPECT_THAT(refusal_of_source("log:" + good_record().string()),
               AllOf(HasSubstr("holds no left images on EGOMOD_IMAGES"),
                     HasSubstr("capture.left_channel"), HasSubstr("publish.images")));
-  EXPECT_THAT(refusal({EGOMOD_LOG, "draw", root_ / "record", root_ / "out"}),
-              HasSubstr("--images"));
-  EXPECT_THAT(refusal({EGOMOD_LOG, "export", root_ / "good.log", root_ / "out"}),
+  EXPECT_THAT(refusal({EGOMOD_LOG, "draw", good_record(), root_ / "out"}), HasSubstr("--images"));
+  EXPECT_THAT(refusal({EGOMOD_LOG, "export", good_log(), root_ / "out"}),
               HasSubstr("holds no EGOMOD_POSE; record it with egomodd --record"));
 }
 
@@ -296,16 +315,16 @@ TEST_F(BadInput, the_record_cannot_be_written) {
                     HasSubstr("\nlatency, ms")));
   EXPECT_THAT(refusal({EGOMOD_LOG, "import", root_ / "good", "/dev/full"}),
               HasSubstr("record /dev/full: cannot be written"));
-  EXPECT_THAT(refusal({EGOMOD_LOG, "export", root_ / "record", root_ / "good.log" / "out"}),
+  EXPECT_THAT(refusal({EGOMOD_LOG, "export", good_record(), good_log() / "out"}),
               HasSubstr("is no folder and cannot be made one"));
 }
 
 TEST_F(BadInput, the_record_is_the_log_that_is_read) {
   const fs::path log = root_ / "precious.log";
-  fs::copy_file(root_ / "good.log", log);
+  fs::copy_file(good_log(), log);
   EXPECT_THAT(refusal_of_source("log:" + log.string(), {"--record", log}),
               HasSubstr("is the log that is read, and would be overwritten"));
-  EXPECT_EQ(read(log), read(root_ / "good.log"));
+  EXPECT_EQ(read(log), read(good_log()));
 }
 
 TEST_F(BadInput, the_configuration_names_what_is_not_there) {

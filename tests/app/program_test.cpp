@@ -12,9 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "kitti_writer.hpp"
 #include "run_program.hpp"
-#include "scenes.hpp"
 
 namespace egomod {
 namespace {
@@ -30,14 +28,9 @@ const std::string kNoBus = "--lcm-url=memq://";
 
 class Daemon : public ::testing::Test {
  protected:
-  // One short sequence for all tests of this program.
   static void SetUpTestSuite() {
     folder_ = fs::path(::testing::TempDir()) / ("egomod_program_test_" + std::to_string(getpid()));
-    fs::create_directories(folder_ / "sequence");
-    test_support::SyntheticWorld world(test_support::following_robot(),
-                                       test_support::kinect_pair(320));
-    test_support::write_kitti_sequence(world, {.rate_hz = 10.0, .pairs = kPairs},
-                                       folder_ / "sequence");
+    fs::create_directories(folder_);
   }
   static void TearDownTestSuite() { fs::remove_all(folder_); }
 
@@ -49,12 +42,13 @@ class Daemon : public ::testing::Test {
     const fs::path output = folder_ / "output";
     return wait_for_program(start(arguments, output), output);
   }
-  static std::string sequence() { return "--source=folder:" + (folder_ / "sequence").string(); }
+  static std::string sequence() { return std::string("--source=folder:") + kSequence; }
   static fs::path copy_of_sequence(const std::string& name) {
-    fs::copy(folder_ / "sequence", folder_ / name, fs::copy_options::recursive);
+    fs::copy(kSequence, folder_ / name, fs::copy_options::recursive);
     return folder_ / name;
   }
 
+  static constexpr const char* kSequence = EGOMOD_TEST_SEQUENCES "/slow_320";
   static constexpr int kPairs = 12;
   static inline fs::path folder_;
 };
