@@ -13,6 +13,7 @@
 #include "labels.hpp"
 #include "plot.hpp"
 #include "record_labels.hpp"
+#include "result_file.hpp"
 
 namespace egomod::fit {
 namespace {
@@ -101,12 +102,14 @@ void print(const Labels& labels, const RayleighFit& fit) {
 
 void write_configuration(const std::string& path, const RayleighClassifier& classifier,
                          double threshold_mps) {
-  std::ofstream file(path);
+  log::ResultFile result(path);
+  std::ofstream file(result.path());
   file << "[moving_objects]\nthreshold_mps = " << threshold_mps
        << "\nsigma_static_mps = " << classifier.sigma_static_mps
        << "\nsigma_moving_mps = " << classifier.sigma_moving_mps
        << "\nprior_moving = " << classifier.prior_moving << "\n";
   if (!file.flush()) throw InputError(path + ": cannot be written");
+  result.keep();
   std::printf("wrote %s\n", path.c_str());
 }
 
