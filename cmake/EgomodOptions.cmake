@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-option(EGOMOD_BUILD_TESTS "Build tests and benchmarks (needs GoogleTest and Google Benchmark)" ON)
+set(EGOMOD_BUILD_TESTS AUTO CACHE STRING
+  "Build tests and benchmarks: ON, OFF, or AUTO: where GoogleTest, Google Benchmark and OpenCV's modules for them are found")
+set_property(CACHE EGOMOD_BUILD_TESTS PROPERTY STRINGS AUTO ON OFF)
 option(EGOMOD_WARNINGS_AS_ERRORS "Treat compiler warnings as errors" OFF)
 set(EGOMOD_SANITIZE "" CACHE STRING "Sanitizers, as -fsanitize= takes them: address,undefined or thread")
 

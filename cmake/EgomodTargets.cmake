@@ -8,6 +8,19 @@ function(egomod_warnings target)
   endif()
 endfunction()
 
+# What find_package(egomod) can be asked for by name: three exports, each with what it needs. See egomodConfig.cmake.
+set(egomod_algorithms core features egomotion moving_objects)
+set(egomod_messages lcmtypes bus)
+function(egomod_export_of name result)
+  if(name IN_LIST egomod_algorithms)
+    set(${result} egomodAlgorithmsTargets PARENT_SCOPE)
+  elseif(name IN_LIST egomod_messages)
+    set(${result} egomodMessagesTargets PARENT_SCOPE)
+  else()
+    set(${result} egomodDaemonTargets PARENT_SCOPE)
+  endif()
+endfunction()
+
 # egomod_library(NAME folder SOURCES a.cpp ... LINK public... LINK_PRIVATE private...)
 # A library egomod_<folder> whose headers are include/egomod/<folder>/*.hpp, each proven to compile alone
 # by the target all_verify_interface_header_sets.
@@ -22,7 +35,8 @@ function(egomod_library)
   set_target_properties(${target} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON EXPORT_NAME ${arg_NAME})
   target_link_libraries(${target} PUBLIC ${arg_LINK} PRIVATE ${arg_LINK_PRIVATE})
   egomod_warnings(${target})
-  install(TARGETS ${target} EXPORT egomodTargets
+  egomod_export_of(${arg_NAME} export)
+  install(TARGETS ${target} EXPORT ${export}
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
     FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
 endfunction()
@@ -40,6 +54,9 @@ function(egomod_program)
     COMPONENT ${arg_COMPONENT})
 endfunction()
 
+# All tests and what they run, and nothing else.
+add_custom_target(egomod_tests)
+
 # egomod_test(NAME name SOURCES ... LINK ... [TIMEOUT s] [LABELS slow]): one GoogleTest program, one
 # ctest entry a test case. What is labelled slow does not run under the sanitizers.
 function(egomod_test)
@@ -48,6 +65,7 @@ function(egomod_test)
   set_target_properties(${arg_NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
   target_link_libraries(${arg_NAME} PRIVATE ${arg_LINK} GTest::gtest_main GTest::gmock)
   egomod_warnings(${arg_NAME})
+  add_dependencies(egomod_tests ${arg_NAME})
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 120)
   endif()

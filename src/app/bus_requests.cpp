@@ -12,7 +12,6 @@ namespace {
 
 constexpr const char* kCalibrationSet = "EGOMOD_CALIBRATION_SET";
 constexpr const char* kBlackbox = "EGOMOD_BLACKBOX";
-constexpr std::chrono::seconds kRetryInterval{2};
 constexpr int kMostAtOnce = 16;  // a flooded channel must not hold the caller
 
 }  // namespace
@@ -27,8 +26,8 @@ struct BusRequests::Handlers {
   }
 };
 
-BusRequests::BusRequests(std::string lcm_url, FrameSource& source)
-    : url_(std::move(lcm_url)), source_(source) {
+BusRequests::BusRequests(BusAddress address, FrameSource& source)
+    : address_(std::move(address)), source_(source) {
   open();
 }
 
@@ -39,12 +38,9 @@ BusRequests::BusRequests(lcm::LCM& bus, FrameSource& source) : source_(source), 
 BusRequests::~BusRequests() = default;
 
 void BusRequests::open() {
-  tried_ = std::chrono::steady_clock::now();
-  auto bus = std::make_unique<lcm::LCM>(url_);
-  if (!bus->good()) return;
-  own_bus_ = std::move(bus);
+  own_bus_ = address_.open();
   bus_ = own_bus_.get();
-  subscribe();
+  if (bus_ != nullptr) subscribe();
 }
 
 void BusRequests::subscribe() {
@@ -53,7 +49,7 @@ void BusRequests::subscribe() {
 }
 
 std::vector<std::string> BusRequests::handle() {
-  if (bus_ == nullptr && std::chrono::steady_clock::now() - tried_ >= kRetryInterval) open();
+  if (bus_ == nullptr) open();
   for (int i = 0; bus_ != nullptr && i < kMostAtOnce && bus_->handleTimeout(0) > 0; ++i) {
   }
   return std::exchange(notices_, {});

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "egomod/bus/bus_address.hpp"
 #include "egomod/capture/frame_source.hpp"
 
 namespace lcm {
@@ -16,12 +16,12 @@ class LCM;
 namespace egomod {
 
 // What others ask of the running daemon over the bus: EGOMOD_CALIBRATION_SET takes effect between
-// two pairs; EGOMOD_BLACKBOX is answered that there is no black box. An absent bus is tried again
-// every few seconds. Threads: one caller.
+// two pairs; EGOMOD_BLACKBOX is answered that there is no black box. An absent bus is tried again.
+// Threads: one caller.
 class BusRequests {
  public:
   // `source` must outlive the requests.
-  BusRequests(std::string lcm_url, FrameSource& source);
+  BusRequests(BusAddress address, FrameSource& source);
   // For tests: on a bus that the caller made, which must outlive the requests.
   BusRequests(lcm::LCM& bus, FrameSource& source);
   BusRequests(const BusRequests&) = delete;
@@ -40,11 +40,10 @@ class BusRequests {
   void set_calibration(const void* bytes, std::uint32_t size);
   void refuse_blackbox();
 
-  std::string url_;
+  BusAddress address_;
   FrameSource& source_;
   std::unique_ptr<lcm::LCM> own_bus_;
   lcm::LCM* bus_ = nullptr;
-  std::chrono::steady_clock::time_point tried_{};
   std::vector<std::string> notices_;
   std::uint64_t refused_ = 0;
 };

@@ -45,27 +45,42 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_flag("--check-config", a.check, "Check the configuration and exit");
   app.add_flag("--dump-config", a.dump, "Print the configuration as TOML and exit");
   app.add_flag("--version", a.version, "Print the version and what is built in, and exit");
-  app.footer("Exit codes: 0 end of the replay or asked to stop, 1 failed, 2 refused to start.");
+  app.footer(
+      "Exit codes: 0 end of the replay or asked to stop, 1 failed, 2 the command line is wrong, 78 "
+      "the configuration is: a key, a source that this build does not have, the rig file.");
 }
 
-Config config_from(const Arguments& a) {
+void apply_named_texts(const Arguments& a, Config& config, ConfigOrigins& origins) {
+  struct Text {
+    const char* option;
+    const char* key;
+    std::string& value;
+    const std::string& given;
+  };
+  DaemonConfig& daemon = config.daemon;
+  for (const Text& text : {Text{"--source", "daemon.source", daemon.source, a.source},
+                           Text{"--rig", "daemon.rig", daemon.rig, a.rig},
+                           Text{"--lcm-url", "daemon.lcm_url", daemon.lcm_url, a.lcm_url},
+                           Text{"--record", "daemon.record", daemon.record, a.record}}) {
+    if (!text.given.empty()) {
+      text.value = text.given;
+      origins[text.key] = text.option;
+    }
+  }
+}
+
+Config config_from(const Arguments& a, ConfigOrigins& origins) {
   Config config;
   if (!a.preset.empty()) {
-    apply_file(config, find_preset(a.preset));
+    apply_file(config, find_preset(a.preset), &origins);
   }
   if (!a.config.empty()) {
-    apply_file(config, a.config);
+    apply_file(config, a.config, &origins);
   }
   for (const std::string& setting : a.settings) {
-    apply_setting(config, setting);
+    apply_setting(config, setting, &origins);
   }
-  const std::pair<std::string&, const std::string&> texts[] = {{config.daemon.source, a.source},
-                                                               {config.daemon.rig, a.rig},
-                                                               {config.daemon.lcm_url, a.lcm_url},
-                                                               {config.daemon.record, a.record}};
-  for (const auto& [value, given] : texts) {
-    value = given.empty() ? value : given;
-  }
+  apply_named_texts(a, config, origins);
   if (!a.log_level.empty()) {
     apply_setting(config, "logging.level=" + a.log_level);
   } else if (a.quiet) {
@@ -74,7 +89,7 @@ Config config_from(const Arguments& a) {
   config.daemon.record_timing |= a.record_timing;
   config.pipeline.single_thread |= a.single_thread;
   config.pipeline.realtime |= a.realtime;
-  check(config);
+  check(config, origins);
   return config;
 }
 
@@ -82,11 +97,15 @@ Command command_from(const Arguments& a) {
   if (a.version) {
     return {.action = Command::Action::kPrint, .text = version_text()};
   }
-  Command command{.config = config_from(a), .quiet = a.quiet};
+  ConfigOrigins origins;
+  Command command{.config = config_from(a, origins), .quiet = a.quiet};
   if (a.dump) {
     command.action = Command::Action::kPrint;
     command.text = dump(command.config);
-  } else if (a.check) {
+    return command;
+  }
+  check_source_and_rig(command.config, origins);
+  if (a.check) {
     command.action = Command::Action::kPrint;
     command.text = "the configuration is fine\n";
   } else if (command.config.daemon.source.empty()) {
@@ -95,8 +114,8 @@ Command command_from(const Arguments& a) {
   return command;
 }
 
-Command refusal(const std::string& text) {
-  return {.action = Command::Action::kRefuse, .text = text, .exit_code = kExitUsage};
+Command refusal(const std::string& text, ExitCode exit_code) {
+  return {.action = Command::Action::kRefuse, .text = text, .exit_code = exit_code};
 }
 
 }  // namespace
@@ -111,9 +130,10 @@ Command parse_command_line(int argc, const char* const* argv) {
   } catch (const CLI::CallForHelp&) {
     return {.action = Command::Action::kPrint, .text = app.help()};
   } catch (const CLI::ParseError& error) {
-    return refusal("egomodd: " + std::string(error.what()) + "; --help lists the options\n");
+    return refusal("egomodd: " + std::string(error.what()) + "; --help lists the options\n",
+                   kExitUsage);
   } catch (const ConfigError& error) {
-    return refusal("egomodd: " + std::string(error.what()) + "\n");
+    return refusal("egomodd: " + std::string(error.what()) + "\n", kExitConfig);
   }
 }
 

@@ -12,7 +12,6 @@
 #include <optional>
 #include <sstream>
 
-#include "egomod/pipeline/pipeline.hpp"
 #include "option.hpp"
 
 namespace egomod {
@@ -185,7 +184,7 @@ std::string shown(const toml::node& value) {
 }
 
 void apply_value(Config& config, const std::string& where, const std::string& key,
-                 const toml::node& value) {
+                 const toml::node& value, ConfigOrigins* origins) {
   const Option* option = find_option(key);
   if (option == nullptr) {
     refuse(where, key, "unknown key; did you mean " + nearest_key(key) + "?");
@@ -193,16 +192,19 @@ void apply_value(Config& config, const std::string& where, const std::string& ke
   if (!assign(*option, config, value)) {
     refuse(where, key, "want " + wanted(*option) + ", not " + shown(value));
   }
+  if (origins != nullptr) {
+    (*origins)[key] = where;
+  }
 }
 
 void apply_table(Config& config, const std::string& file, const std::string& prefix,
-                 const toml::table& table) {
+                 const toml::table& table, ConfigOrigins* origins) {
   for (const auto& [name, value] : table) {
     const std::string key = prefix + std::string(name.str());
     if (value.is_table() && is_section(key)) {
-      apply_table(config, file, key + '.', *value.as_table());
+      apply_table(config, file, key + '.', *value.as_table(), origins);
     } else {
-      apply_value(config, position(file, name.source()), key, value);
+      apply_value(config, position(file, name.source()), key, value, origins);
     }
   }
 }
@@ -228,12 +230,12 @@ toml::table parse(const std::string& text, const std::string& file) {
 
 }  // namespace
 
-void apply_file(Config& config, const std::string& path) {
-  apply_table(config, path, "", parse(read_text(path), path));
+void apply_file(Config& config, const std::string& path, ConfigOrigins* origins) {
+  apply_table(config, path, "", parse(read_text(path), path), origins);
 }
 
 // Text needs no quotes on the command line.
-void apply_setting(Config& config, std::string_view setting) {
+void apply_setting(Config& config, std::string_view setting, ConfigOrigins* origins) {
   const std::string where = fmt::format("--set {}", setting);
   const std::size_t equals = setting.find('=');
   if (equals == std::string_view::npos) {
@@ -250,22 +252,7 @@ void apply_setting(Config& config, std::string_view setting) {
   if (table.size() != 1) {
     throw ConfigError(where + ": want one value");
   }
-  apply_value(config, where, key, *table.get("value"));
-}
-
-void check(const Config& config) {
-  try {
-    (void)parse_cpus(config.pipeline.cpus);
-  } catch (const std::invalid_argument& error) {
-    throw ConfigError(error.what());
-  }
-  const MovingObjectsConfig& objects = config.moving_objects;
-  if (objects.min_lag_s > objects.lag_s || objects.lag_s > objects.max_lag_s) {
-    throw ConfigError("moving_objects: want min_lag_s <= lag_s <= max_lag_s");
-  }
-  if (config.capture.left_channel.empty() != config.capture.right_channel.empty()) {
-    throw ConfigError("capture: want both left_channel and right_channel, or neither");
-  }
+  apply_value(config, where, key, *table.get("value"), origins);
 }
 
 std::string dump(const Config& config) {

@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <string_view>
+#include <system_error>
 
 #include "egomod/app/command_line.hpp"
 #include "egomod/capture/frame_source.hpp"
@@ -19,6 +21,7 @@
 #include "egomod/publish/publisher.hpp"
 #include "egomod/publish/record_writer.hpp"
 #include "logging.hpp"
+#include "replay_report.hpp"
 #include "run_summary.hpp"
 #include "service_manager.hpp"
 #include "supervisor.hpp"
@@ -28,17 +31,16 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-PublishTarget target_of(const Config& config, bool live) {
-  return {.lcm_url = config.daemon.lcm_url,
-          .record = config.daemon.record,
-          .record_timing = config.daemon.record_timing,
-          .live = live};
+// The record of a replay, paced or not, holds only what is the same each time.
+PublishTarget target_of(const DaemonConfig& daemon, const BusAddress& bus, bool is_replay,
+                        bool is_live) {
+  return {.lcm_url = bus,
+          .record = daemon.record,
+          .record_timing = daemon.record_timing || !is_replay,
+          .live = is_live};
 }
 
-PipelineEnd run(Pipeline& pipeline, bool single_thread) {
-  if (single_thread) {
-    return pipeline.run_single_thread();
-  }
+PipelineEnd run(Pipeline& pipeline) {
   pipeline.start();
   for (const std::string& warning : pipeline.warnings()) {
     spdlog::warn("{}", warning);
@@ -49,11 +51,11 @@ PipelineEnd run(Pipeline& pipeline, bool single_thread) {
 // The stages that this run is made of, and what becomes of a frame in each.
 class Stages {
  public:
-  Stages(const Config& config, bool live)
+  Stages(const Config& config, const PublishTarget& target)
       : tracker_(config.features),
         estimator_(config.egomotion),
         detector_(config.moving_objects),
-        publisher_(config.publish, target_of(config, live)) {}
+        publisher_(config.publish, target) {}
 
   PipelineStages functions() {
     return {
@@ -91,13 +93,40 @@ void refuse_record_over_source(const DaemonConfig& daemon) {
   }
 }
 
+// Closes the record. Why the run has failed; empty if it has not.
+std::string conclude(const Pipeline& pipeline, PipelineEnd end, bool is_replay,
+                     Publisher& publisher) {
+  std::string failure;
+  if (end == PipelineEnd::kFailed) {
+    failure = fmt::format("{}; {} pairs before it were processed", pipeline.error(),
+                          pipeline.published());
+  }
+  try {
+    publisher.close();
+  } catch (const RecordError& error) {
+    failure = failure.empty() ? error.what() : failure;
+  }
+  if (failure.empty() && is_replay && end == PipelineEnd::kSourceEnded) {
+    failure = why_nothing_was_used(pipeline.statistics());
+  }
+  return failure;
+}
+
+void print(const std::string& text) {
+  if (std::fputs(text.c_str(), stdout) < 0 || std::fflush(stdout) != 0) {
+    throw std::system_error(errno, std::generic_category(), "cannot write to standard output");
+  }
+}
+
 int run_to_the_end(const Config& config, bool quiet) {
   const auto begin = Clock::now();
   refuse_record_over_source(config.daemon);
-  const auto source = open_source(config.daemon.source, config.capture, config.daemon.rig,
-                                  config.daemon.lcm_url, config.pipeline.realtime);
-  const bool live = config.pipeline.realtime || !source->is_replay();
-  Stages stages(config, live);
+  const BusAddress bus(config.daemon.lcm_url);
+  const auto source = open_source(config.daemon.source, config.capture, config.daemon.rig, bus,
+                                  config.pipeline.realtime);
+  const bool is_replay = source->is_replay();
+  const bool is_live = config.pipeline.realtime || !is_replay;
+  Stages stages(config, target_of(config.daemon, bus, is_replay, is_live));
   Pipeline pipeline(config.pipeline, *source, stages.functions());
   PipelineEnd end = PipelineEnd::kStopped;
   {
@@ -105,25 +134,30 @@ int run_to_the_end(const Config& config, bool quiet) {
                            .pipeline = pipeline,
                            .publisher = stages.publisher(),
                            .summary = stages.summary(),
-                           .show_progress = !quiet && source->is_replay(),
+                           .show_progress = !quiet && is_replay,
                            .repeat_s = config.logging.repeat_s,
-                           .lcm_url = config.daemon.lcm_url});
-    end = run(pipeline, config.pipeline.single_thread);
+                           .lcm_url = bus});
+    end = run(pipeline);
     if (end == PipelineEnd::kFailed) {
       supervisor.set_failed();
     }
   }
-  stages.publisher().close();
-  if (!quiet && source->is_replay()) {
+  const std::string failure = conclude(pipeline, end, is_replay, stages.publisher());
+  if (is_replay) {
+    for (const std::string& loss :
+         losses_of(pipeline.statistics(), stages.publisher().statistics(), source->counters())) {
+      spdlog::warn("{}", loss);
+    }
+  }
+  if (!failure.empty()) {
+    spdlog::error("{}", failure);
+  }
+  if (!quiet && is_replay) {
     const double elapsed_s = std::chrono::duration<double>(Clock::now() - begin).count();
-    fmt::print("{}", summary_text(stages.summary().figures(), pipeline.statistics(), elapsed_s,
-                                  config.daemon.record));
+    print(summary_text(stages.summary().figures(), pipeline.statistics(), elapsed_s,
+                       config.daemon.record));
   }
-  if (end == PipelineEnd::kFailed) {
-    spdlog::error("{}; {} pairs before it were processed", pipeline.error(), pipeline.published());
-    return kExitFailure;
-  }
-  return kExitSuccess;
+  return failure.empty() ? kExitSuccess : kExitFailure;
 }
 
 }  // namespace

@@ -8,14 +8,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-double milliseconds(Nanoseconds t) { return 1e3 * to_seconds(t); }
-
 stage_latency_t latency_of(const char* stage, const LatencySummary& latency) {
   stage_latency_t message;
   message.name = stage;
-  message.p50 = milliseconds(latency.p50);
-  message.p99 = milliseconds(latency.p99);
-  message.max = milliseconds(latency.max);
+  message.p50 = to_milliseconds(latency.p50);
+  message.p99 = to_milliseconds(latency.p99);
+  message.max = to_milliseconds(latency.max);
   return message;
 }
 
@@ -27,7 +25,7 @@ std::vector<std::string> sentences(std::int64_t faults, const HealthInputs& inpu
       {health_t::FAULT_PAIRS_REJECTED,
        fmt::format("pairs cannot be used, {} so far", pipeline.rejected)},
       {health_t::FAULT_PAIRS_DROPPED,
-       fmt::format("the stages cannot keep up, {} pairs dropped so far", pipeline.dropped)},
+       fmt::format("the stages cannot keep up, {} pairs dropped so far", pipeline.dropped_usable)},
       {health_t::FAULT_STREAM_BROKEN, fmt::format("the stream broke, {} times", inputs.run.breaks)},
       {health_t::FAULT_NO_MOTION,
        fmt::format("no motion could be estimated in {} pairs", inputs.run.failed)},
@@ -84,8 +82,8 @@ void fill(const HealthInputs& inputs, std::int64_t faults, health_t& message) {
   message.dropped_images = static_cast<std::int64_t>(inputs.source.dropped_images);
   message.damaged_messages = static_cast<std::int64_t>(inputs.source.damaged_messages);
   message.bus_errors = static_cast<std::int64_t>(inputs.publish.bus_errors);
-  message.skew = milliseconds(pipeline.last_skew);
-  message.skew_max = milliseconds(pipeline.max_skew);
+  message.skew = to_milliseconds(pipeline.last_skew);
+  message.skew_max = to_milliseconds(pipeline.max_skew);
   message.reset_count = static_cast<std::int32_t>(inputs.run.resets);
   message.stages.clear();
   for (std::size_t i = 0; i < kStageCount; ++i) {
@@ -103,7 +101,8 @@ std::int64_t HealthReporter::faults(const HealthInputs& inputs) const {
   std::int64_t bits = 0;
   const auto set = [&](bool is_set, std::int64_t bit) { bits |= is_set ? bit : 0; };
   set(now.rejected > before.rejected, health_t::FAULT_PAIRS_REJECTED);
-  set(now.dropped > before.dropped, health_t::FAULT_PAIRS_DROPPED);
+  // That newer ones overtake pairs which cannot be used says nothing of the stages.
+  set(now.dropped_usable > before.dropped_usable, health_t::FAULT_PAIRS_DROPPED);
   set(inputs.run.breaks > before_.run.breaks, health_t::FAULT_STREAM_BROKEN);
   set(inputs.run.failed > before_.run.failed, health_t::FAULT_NO_MOTION);
   set(inputs.run.ambiguous > before_.run.ambiguous, health_t::FAULT_AMBIGUOUS);

@@ -129,7 +129,7 @@ constexpr Option kOptions[] = {
     SWITCH(publish.tracks, "EGOMOD_TRACKS, for viewers"),
 
     NUMBER(pipeline.slots, 6, 256, "frames", "Frames in flight, filled in place"),
-    SWITCH(pipeline.single_thread, "All stages in order on one thread"),
+    SWITCH(pipeline.single_thread, "All stages in order on one thread, with the priority and the CPU of capture"),
     SWITCH(pipeline.realtime, "Replays paced by exposure time; pairs that come too late are dropped as from a camera"),
     NUMBER(pipeline.realtime_priority, 0, 99, "", "SCHED_FIFO priority of capture, one less for each later stage; 0: off"),
     TEXT(pipeline.cpus, "One CPU for all stages or one for each, in order: \"2,3,4,5,5\"; empty: any"),

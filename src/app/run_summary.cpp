@@ -6,8 +6,6 @@
 namespace egomod {
 namespace {
 
-double milliseconds(Nanoseconds t) { return 1e3 * to_seconds(t); }
-
 std::string line(std::string_view label, const std::string& text) {
   return fmt::format("{:<16}{}\n", label, text);
 }
@@ -15,8 +13,9 @@ std::string line(std::string_view label, const std::string& text) {
 std::string latencies(const PipelineStatistics& statistics) {
   std::string text = fmt::format("{:<16}{:>10}{:>10}{:>10}\n", "latency, ms", "p50", "p99", "max");
   const auto row = [&](std::string_view label, const LatencySummary& latency) {
-    text += fmt::format("  {:<14}{:>10.2f}{:>10.2f}{:>10.2f}\n", label, milliseconds(latency.p50),
-                        milliseconds(latency.p99), milliseconds(latency.max));
+    text +=
+        fmt::format("  {:<14}{:>10.2f}{:>10.2f}{:>10.2f}\n", label, to_milliseconds(latency.p50),
+                    to_milliseconds(latency.p99), to_milliseconds(latency.max));
   };
   for (std::size_t i = 0; i < kStageCount; ++i) {
     row(name(static_cast<Stage>(i)), statistics.stages[i]);

@@ -108,15 +108,11 @@ void Supervisor::pass_on_warnings() {
       warnings_.warn(answer);
     }
   }
+  for (const std::string& warning : supervised_.source.take_warnings()) {
+    warnings_.warn(warning);
+  }
   if (const std::string notice = supervised_.source.notice(); !notice.empty()) {
     warnings_.warn(notice);
-  }
-  const SourceCounters now = supervised_.source.counters();
-  const SourceCounters before = std::exchange(source_before_, now);
-  if (now.lost_images > before.lost_images || now.dropped_images > before.dropped_images ||
-      now.damaged_messages > before.damaged_messages) {
-    warnings_.warn(fmt::format("source: {} images lost, {} dropped, {} messages damaged so far",
-                               now.lost_images, now.dropped_images, now.damaged_messages));
   }
 }
 
@@ -153,14 +149,18 @@ void Supervisor::feed_watchdog(const PipelineStatistics& statistics) {
   published_before_ = statistics.published;
 }
 
+// Of bus and record the publisher has warned already.
 void Supervisor::report_health(const HealthInputs& inputs) {
+  supervised_.publisher.repeat_calibration();
   if (!health_.report(inputs, HealthReporter::Clock::now(), health_message_)) {
     return;
   }
   supervised_.publisher.publish_health(health_message_);
   std::string status = fmt::format("{:.1f} pairs a second", health_message_.publish_rate);
   for (const std::string& fault : health_message_.faults) {
-    warnings_.warn(fault);
+    if (fault != inputs.publish.bus_problem && fault != inputs.publish.record_problem) {
+      warnings_.warn(fault);
+    }
     status += "; " + fault;
   }
   notify_service_manager("STATUS=" + status);

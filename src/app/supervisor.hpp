@@ -25,7 +25,7 @@ struct Supervised {
   const RunSummary& summary;
   bool show_progress = false;
   double repeat_s = 10.0;
-  std::string lcm_url{};  // where requests come from while the run is live
+  BusAddress lcm_url{};  // where requests come from while the run is live
 };
 
 // The one place where signals are taken. Beside that it tells the operator, the bus and the service
@@ -54,7 +54,6 @@ class Supervisor {
   WarningLimiter warnings_;
   HealthReporter health_;
   health_t health_message_;
-  SourceCounters source_before_;
   std::optional<BusRequests> requests_;  // live only: a replay must give the same each time
   std::atomic<bool> failed_{false};
   bool stopping_ = false;

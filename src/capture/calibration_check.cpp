@@ -13,16 +13,6 @@ constexpr int kMinSide_px = 16;
 constexpr int kMaxSide_px = 16384;
 constexpr double kOrthonormal = 1e-3;  // matrices printed with few digits pass
 
-bool is_size(int width_px, int height_px) {
-  const auto in_range = [](int side) { return side >= kMinSide_px && side <= kMaxSide_px; };
-  return in_range(width_px) && in_range(height_px);
-}
-
-bool is_rotation(const Eigen::Matrix3d& R) {
-  const double error = (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  return error < kOrthonormal && R.determinant() > 0.0;  // false also for NaN
-}
-
 bool is_positive(double value) { return std::isfinite(value) && value > 0.0; }
 
 std::string fault_of(const StereoCamera& camera) {
@@ -33,7 +23,7 @@ std::string fault_of(const StereoCamera& camera) {
     return "the principal point is not finite";
   }
   if (!is_positive(camera.baseline_m)) return "the baseline must be positive";
-  if (!is_size(camera.width_px, camera.height_px))
+  if (!is_image_size(camera.width_px, camera.height_px))
     return "the rectified image size is out of range";
   return {};
 }
@@ -50,12 +40,11 @@ bool sees_middle(const RawCamera& raw, const StereoCamera& camera) {
 }
 
 std::string fault_of(const RawCamera& raw, const StereoCamera& camera, const std::string& name) {
-  if (!is_size(raw.width_px, raw.height_px))
+  if (!is_image_size(raw.width_px, raw.height_px))
     return "the raw image size of the " + name + " camera is out of range";
-  const Eigen::Matrix3d& K = raw.K;
-  const bool is_plain = K.allFinite() && K(1, 0) == 0.0 && K(2, 0) == 0.0 && K(2, 1) == 0.0 &&
-                        K(2, 2) == 1.0 && K(0, 0) > 0.0 && K(1, 1) > 0.0;
-  if (!is_plain) return "K of the " + name + " camera must be [fx s cx; 0 fy cy; 0 0 1]";
+  if (!is_camera_matrix(raw.K)) {
+    return "K of the " + name + " camera must be [fx s cx; 0 fy cy; 0 0 1]";
+  }
   for (const double d : raw.distortion) {
     if (!std::isfinite(d)) return "the distortion of the " + name + " camera is not finite";
   }
@@ -70,10 +59,31 @@ std::string fault_of(const RawCamera& raw, const StereoCamera& camera, const std
 
 }  // namespace
 
+bool is_image_size(double width_px, double height_px) {
+  const auto is_side = [](double side) {
+    return side >= kMinSide_px && side <= kMaxSide_px && side == std::floor(side);
+  };
+  return is_side(width_px) && is_side(height_px);
+}
+
+bool is_rotation(const Eigen::Matrix3d& R) {
+  const double error = (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  return error < kOrthonormal && R.determinant() > 0.0;
+}
+
+bool is_rigid_transform(const Eigen::Matrix4d& T) {
+  return T.allFinite() && is_rotation(T.topLeftCorner<3, 3>()) &&
+         T.row(3) == Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0);
+}
+
+bool is_camera_matrix(const Eigen::Matrix3d& K) {
+  return K.allFinite() && K(1, 0) == 0.0 && K(2, 0) == 0.0 && K(2, 1) == 0.0 && K(2, 2) == 1.0 &&
+         K(0, 0) > 0.0 && K(1, 1) > 0.0;
+}
+
 std::string fault_of(const Calibration& calibration) {
   std::string fault = fault_of(calibration.camera);
-  const Eigen::Matrix4d T = calibration.T_body_camera.matrix();
-  if (fault.empty() && (!T.allFinite() || !is_rotation(T.topLeftCorner<3, 3>()))) {
+  if (fault.empty() && !is_rigid_transform(calibration.T_body_camera.matrix())) {
     fault = "T_body_camera is not a rigid transform";
   }
   if (!calibration.images_are_raw) return fault;

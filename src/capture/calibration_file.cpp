@@ -4,15 +4,16 @@
 #include <cmath>
 #include <map>
 
+#include "capture/calibration_check.hpp"
 #include "capture/text_file.hpp"
 #include "egomod/capture/frame_source.hpp"
 
 namespace egomod {
 namespace {
 
-constexpr double kMaxSide_px = 16384.0;
 constexpr double kSameIntrinsics_px = 1e-3;
 constexpr double kMaxOffAxisBaseline = 0.01;  // of the baseline: rows would differ by more
+constexpr double kSameBaseline = 0.02;  // of its length: as printed, and some trouble to spare
 
 struct Entry {
   int line = 0;
@@ -26,11 +27,12 @@ class KeyedFile {
     for (const auto& [number, text] : read_lines(file)) {
       const std::size_t colon = text.find(':');
       if (colon == std::string::npos) {
-        throw SourceError(at(file, number) + ": expected 'key: values', found '" + text + "'");
+        throw SourceError(at(file, number) + ": expected 'key: values', found '" + shown(text) +
+                          "'");
       }
       const std::string key(trimmed(text.substr(0, colon)));
       if (!entries_.emplace(key, Entry{number, text.substr(colon + 1)}).second) {
-        throw SourceError(at(file, number) + ": key '" + key + "' is given twice");
+        throw SourceError(at(file, number) + ": key '" + shown(key) + "' is given twice");
       }
     }
   }
@@ -124,20 +126,48 @@ Calibration read_kitti_calibration(const std::filesystem::path& file) {
 
 namespace {
 
+Eigen::Vector2i read_size(const KeyedFile& keyed, const std::string& key) {
+  const Eigen::Vector2d size = keyed.matrix<2, 1>(key);
+  if (!is_image_size(size.x(), size.y())) {
+    throw SourceError(keyed.where(key) + ": is not an image size");
+  }
+  return size.cast<int>();
+}
+
+Eigen::Matrix3d read_rotation(const KeyedFile& keyed, const std::string& key) {
+  const Eigen::Matrix3d R = keyed.matrix<3, 3>(key);
+  if (!is_rotation(R)) throw SourceError(keyed.where(key) + ": is not a rotation");
+  return R;
+}
+
 RawCamera read_raw_camera(const KeyedFile& keyed, const std::string& suffix) {
   RawCamera camera;
-  const Eigen::Vector2d size = keyed.matrix<2, 1>("S_" + suffix);
-  if (size.minCoeff() < 1.0 || size.maxCoeff() > kMaxSide_px ||
-      size != size.array().round().matrix()) {
-    throw SourceError(keyed.where("S_" + suffix) + ": is not an image size");
-  }
-  camera.width_px = static_cast<int>(size.x());
-  camera.height_px = static_cast<int>(size.y());
+  const Eigen::Vector2i size = read_size(keyed, "S_" + suffix);
+  camera.width_px = size.x();
+  camera.height_px = size.y();
   camera.K = keyed.matrix<3, 3>("K_" + suffix);
+  if (!is_camera_matrix(camera.K)) {
+    throw SourceError(keyed.where("K_" + suffix) + ": must be [fx s cx; 0 fy cy; 0 0 1]");
+  }
   const Eigen::Matrix<double, 5, 1> D = keyed.matrix<5, 1>("D_" + suffix);
   Eigen::Map<Eigen::Matrix<double, 5, 1>>(camera.distortion.data()) = D;
-  camera.R_rectified_raw = keyed.matrix<3, 3>("R_rect_" + suffix);
+  camera.R_rectified_raw = read_rotation(keyed, "R_rect_" + suffix);
   return camera;
+}
+
+// The right camera's centre lies on the x axis of the rectified left one, a baseline away.
+void require_same_baseline(const Calibration& calibration, const KeyedFile& keyed) {
+  const Eigen::Vector3d centre_m =
+      -(calibration.R_right_left.transpose() * calibration.t_right_left_m);
+  const Eigen::Vector3d rectified_m = calibration.left.R_rectified_raw * centre_m;
+  const double baseline_m = calibration.camera.baseline_m;
+  if ((rectified_m - Eigen::Vector3d(baseline_m, 0.0, 0.0)).norm() <= kSameBaseline * baseline_m) {
+    return;
+  }
+  throw SourceError(
+      keyed.where("T_01") + ": with R_01 and R_rect_00 it places the right camera at (" +
+      number(rectified_m.x()) + ", " + number(rectified_m.y()) + ", " + number(rectified_m.z()) +
+      ") m, P_rect_01 at (" + number(baseline_m) + ", 0, 0) m; one of them is wrong");
 }
 
 }  // namespace
@@ -148,18 +178,18 @@ Calibration read_kitti_raw_calibration(const std::filesystem::path& file) {
   calibration.images_are_raw = true;
   calibration.left = read_raw_camera(keyed, "00");
   calibration.right = read_raw_camera(keyed, "01");
-  calibration.R_right_left = keyed.matrix<3, 3>("R_01");
+  calibration.R_right_left = read_rotation(keyed, "R_01");
   calibration.t_right_left_m = keyed.matrix<3, 1>("T_01");
   calibration.camera =
       rectified_camera(keyed.matrix<3, 4>("P_rect_00"), keyed.matrix<3, 4>("P_rect_01"),
                        file.string() + ": P_rect_00 and P_rect_01");
-  const Eigen::Vector2d size = keyed.matrix<2, 1>("S_rect_00");
-  if (size != keyed.matrix<2, 1>("S_rect_01") || size.minCoeff() < 1.0 ||
-      size.maxCoeff() > kMaxSide_px) {
-    throw SourceError(keyed.where("S_rect_00") + ": must be an image size, and that of S_rect_01");
+  const Eigen::Vector2i size = read_size(keyed, "S_rect_00");
+  if (size != read_size(keyed, "S_rect_01")) {
+    throw SourceError(keyed.where("S_rect_01") + ": differs from S_rect_00");
   }
-  calibration.camera.width_px = static_cast<int>(size.x());
-  calibration.camera.height_px = static_cast<int>(size.y());
+  calibration.camera.width_px = size.x();
+  calibration.camera.height_px = size.y();
+  require_same_baseline(calibration, keyed);
   return calibration;
 }
 

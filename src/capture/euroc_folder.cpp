@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/calibration_check.hpp"
 #include "capture/folder_contents.hpp"
 #include "capture/stereo_rectify.hpp"
 #include "capture/text_file.hpp"
@@ -40,7 +41,7 @@ FolderContents::Camera list_camera(const fs::path& folder) {
     }
     const fs::path file = folder / "data" / trimmed(std::string_view(text).substr(comma + 1));
     if (!fs::is_regular_file(file)) {
-      throw SourceError(where + ": the image " + file.string() + " is missing");
+      throw SourceError(where + ": the image " + shown(file.string()) + " is missing");
     }
     camera.exposures.push_back(exposure);
     camera.files.push_back(file);
@@ -91,11 +92,15 @@ class SensorFile {
     return numbers(node(key), key, count);
   }
 
+  [[noreturn]] void fail(const std::string& key, const std::string& what) const {
+    throw SourceError(at(file_, node(key).Mark().line + 1) + ": " + key + ": " + what);
+  }
+
   void require_radial_tangential() const {
     const YAML::Node found = root_["distortion_model"];
     const std::string model = found && found.IsScalar() ? found.as<std::string>() : "";
     if (model == "radial-tangential" || model == "radtan") return;
-    throw SourceError(file_.string() + ": distortion_model '" + model +
+    throw SourceError(file_.string() + ": distortion_model '" + shown(model) +
                       "' is not supported; radial-tangential is");
   }
 
@@ -105,6 +110,7 @@ class SensorFile {
     const std::vector<double> values = numbers(data, "T_BS", 16);
     Eigen::Isometry3d T;
     T.matrix() = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(values.data());
+    if (!is_rigid_transform(T.matrix())) fail("T_BS", "is not a rigid transform");
     return T;
   }
 
@@ -118,6 +124,8 @@ RawCamera read_camera(const SensorFile& sensor) {
   const auto size = sensor.numbers("resolution", 2);
   const auto K = sensor.numbers("intrinsics", 4);
   const auto D = sensor.numbers("distortion_coefficients", 4);
+  if (!is_image_size(size[0], size[1])) sensor.fail("resolution", "is not an image size");
+  if (!(K[0] > 0.0 && K[1] > 0.0)) sensor.fail("intrinsics", "focal lengths must be positive");
   RawCamera camera;
   camera.width_px = static_cast<int>(size[0]);
   camera.height_px = static_cast<int>(size[1]);
@@ -144,6 +152,7 @@ Calibration read_calibration(const fs::path& mav0) {
 FolderContents read_euroc_folder(const fs::path& mav0, bool rig_file_given) {
   FolderContents contents;
   contents.is_paired_by_index = false;
+  contents.calibration_file = mav0.string() + "/cam0/sensor.yaml and cam1/sensor.yaml";
   if (!rig_file_given) contents.calibration = read_calibration(mav0);
   contents.left = list_camera(mav0 / "cam0");
   contents.right = list_camera(mav0 / "cam1");

@@ -8,46 +8,12 @@
 #include "capture/pair_preparer.hpp"
 #include "capture/pairing.hpp"
 #include "capture/png_image.hpp"
-#include "capture/rig_file.hpp"
 #include "capture/sources.hpp"
 
 namespace egomod {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string size_text(ImageSize size) {
-  return std::to_string(size.width_px) + "x" + std::to_string(size.height_px);
-}
-
-void require_size(const fs::path& file, const Image& image, ImageSize expected) {
-  const ImageSize size{image.width_px(), image.height_px()};
-  if (size == expected) return;
-  throw SourceError(file.string() + ": the image is " + size_text(size) + " pixels, by the " +
-                    "calibration or the images before it must be " + size_text(expected));
-}
-
-// A calibration without a size takes that of the first image.
-void settle_size(FolderContents& contents) {
-  StereoCamera& camera = contents.calibration.camera;
-  if (camera.width_px != 0) return;
-  PngReader png;
-  Image left;
-  png.read(contents.left.files.front(), left);
-  camera.width_px = left.width_px();
-  camera.height_px = left.height_px();
-}
-
-FolderContents read_folder(const fs::path& folder, bool rig_file_given) {
-  if (!fs::is_directory(folder)) {
-    throw SourceError("folder:" + folder.string() + ": there is no such folder");
-  }
-  if (fs::exists(folder / "mav0")) return read_euroc_folder(folder / "mav0", rig_file_given);
-  if (fs::exists(folder / "cam0")) return read_euroc_folder(folder, rig_file_given);
-  if (fs::exists(folder / "image_0")) return read_kitti_folder(folder, rig_file_given);
-  throw SourceError("folder:" + folder.string() + ": holds neither image_0 (KITTI odometry " +
-                    "layout) nor mav0/cam0 (EuRoC layout)");
-}
 
 class FolderSource final : public FrameSource {
  public:
@@ -99,7 +65,7 @@ class FolderSource final : public FrameSource {
     pair.right_exposure = right ? contents_.right.exposures[*right] : pair.exposure;
     const bool is_due = rate_.is_due(pair.exposure);
     if (!accepted) {
-      pair.status = PairStatus::kRejected;
+      PairPreparer::reject(pair, right ? PairFault::kSkew : PairFault::kNoPartner);
     } else if (!is_due) {
       pair.status = PairStatus::kSkipped;
     } else {
@@ -134,14 +100,7 @@ class FolderSource final : public FrameSource {
 std::unique_ptr<FrameSource> open_folder_source(const std::string& folder,
                                                 const CaptureConfig& config,
                                                 const std::string& rig_file) {
-  try {
-    FolderContents contents = read_folder(folder, !rig_file.empty());
-    if (!rig_file.empty()) contents.calibration = read_rig_file(rig_file);
-    settle_size(contents);
-    return std::make_unique<FolderSource>(std::move(contents), config);
-  } catch (const fs::filesystem_error& problem) {
-    throw SourceError("folder:" + folder + ": " + problem.what());
-  }
+  return std::make_unique<FolderSource>(read_folder(folder, rig_file), config);
 }
 
 }  // namespace egomod

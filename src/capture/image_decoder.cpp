@@ -48,24 +48,35 @@ void grey_from_colour(const std::uint8_t* from, int width_px, int red, std::uint
 }
 
 // 1 2 1 across and down over the mosaic: everywhere R/4 + G/2 + B/4, without a shift. The border
-// repeats mirrored, which keeps the colours of the mosaic in step.
-void grey_from_bayer(std::span<const std::uint8_t> data, std::ptrdiff_t stride, Image& to) {
-  const int width = to.width_px();
+// repeats mirrored, which keeps the colours of the mosaic in step. `sums` are the columns' of a
+// row, from one before the first to one behind the last; plain loops over them become vectors.
+void grey_from_bayer(std::span<const std::uint8_t> data, std::ptrdiff_t stride, Image& to,
+                     std::vector<std::uint16_t>& sums) {
+  const auto width = static_cast<std::size_t>(to.width_px());
   const int height = to.height_px();
+  sums.resize(width + 2);
   for (int v = 0; v < height; ++v) {
     const std::uint8_t* above = data.data() + (v == 0 ? 1 : v - 1) * stride;
     const std::uint8_t* here = data.data() + v * stride;
     const std::uint8_t* below = data.data() + (v == height - 1 ? height - 2 : v + 1) * stride;
-    const auto column = [&](int u) { return above[u] + 2 * here[u] + below[u]; };
-    for (int u = 0; u < width; ++u) {
-      const int before = column(u == 0 ? 1 : u - 1);
-      const int after = column(u == width - 1 ? width - 2 : u + 1);
-      to.row(v)[u] = static_cast<std::uint8_t>((before + 2 * column(u) + after + 8) / 16);
+    std::uint16_t* const sum = sums.data() + 1;
+    for (std::size_t u = 0; u < width; ++u) {
+      sum[u] = static_cast<std::uint16_t>(above[u] + 2 * here[u] + below[u]);
+    }
+    sums.front() = sum[1];
+    sums.back() = sum[width - 2];
+    const std::uint16_t* const before = sums.data();
+    std::uint8_t* const grey = to.row(v);
+    for (std::size_t u = 0; u < width; ++u) {
+      const auto all =
+          static_cast<std::uint16_t>(before[u] + 2 * before[u + 1] + before[u + 2] + 8);
+      grey[u] = static_cast<std::uint8_t>(all >> 4U);
     }
   }
 }
 
-bool decode_plain(const ImageRecord& record, std::span<const std::uint8_t> data, Image& to) {
+bool decode_plain(const ImageRecord& record, std::span<const std::uint8_t> data, Image& to,
+                  std::vector<std::uint16_t>& sums) {
   const std::ptrdiff_t pixel_bytes = bytes_per_pixel(record.pixel_format);
   const std::ptrdiff_t row_bytes = pixel_bytes * record.width_px;
   const std::ptrdiff_t stride = record.row_stride_bytes;
@@ -74,7 +85,7 @@ bool decode_plain(const ImageRecord& record, std::span<const std::uint8_t> data,
   to.resize(record.width_px, record.height_px);
   if (record.pixel_format == image_t::PIXEL_FORMAT_BAYER_GRBG ||
       record.pixel_format == image_t::PIXEL_FORMAT_BAYER_RGGB) {
-    grey_from_bayer(data, stride, to);
+    grey_from_bayer(data, stride, to, sums);
     return true;
   }
   const int red = record.pixel_format == image_t::PIXEL_FORMAT_BGR ? 2 : 0;
@@ -143,7 +154,7 @@ bool ImageDecoder::decode(const ImageRecord& record, std::span<const std::uint8_
                           ImageSize expected, Image& to) {
   if (ImageSize{record.width_px, record.height_px} != expected) return false;
   if (record.pixel_format != image_t::PIXEL_FORMAT_MJPEG) {
-    return bytes_per_pixel(record.pixel_format) != 0 && decode_plain(record, data, to);
+    return bytes_per_pixel(record.pixel_format) != 0 && decode_plain(record, data, to, sums_);
   }
   to.resize(expected.width_px, expected.height_px);
   return !data.empty() && jpeg_->decode(data, expected, to);

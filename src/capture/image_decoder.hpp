@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "capture/image_message.hpp"
 #include "capture/pair_preparer.hpp"
@@ -31,6 +32,7 @@ class ImageDecoder {
  private:
   struct Jpeg;
   std::unique_ptr<Jpeg> jpeg_;
+  std::vector<std::uint16_t> sums_;  // of a mosaic's row
 };
 
 }  // namespace egomod

@@ -43,6 +43,10 @@ class Fields {
   bool ok_ = true;
 };
 
+bool is_time(std::int64_t utime_us) {
+  return utime_us >= -kMaxUtime_us && utime_us <= kMaxUtime_us;
+}
+
 void skip_metadata(Fields& fields) {
   const auto count = fields.next<std::int32_t>();
   if (count < 0 || count > kMaxMetadata) fields.fail();
@@ -63,20 +67,27 @@ ImageRecord next_image(Fields& fields) {
   image.data_offset = fields.offset();
   fields.skip(image.size_bytes);
   skip_metadata(fields);
-  const bool is_sane = image.utime_us >= -kMaxUtime_us && image.utime_us <= kMaxUtime_us &&
-                       image.width_px > 0 && image.height_px > 0;
+  const bool is_sane = is_time(image.utime_us) && image.width_px > 0 && image.height_px > 0;
   if (!is_sane) fields.fail();
   return image;
 }
 
 }  // namespace
 
+std::optional<std::int64_t> find_utime_us(MessageReader& message) {
+  Fields fields(message);
+  fields.next<std::int64_t>();  // the type
+  const auto utime_us = fields.next<std::int64_t>();
+  if (!fields.ok() || !is_time(utime_us)) return std::nullopt;
+  return utime_us;
+}
+
 MessageState find_images(MessageReader& message, StereoRecord& found) {
   Fields fields(message);
   if (fields.next<std::int64_t>() != bot_core::images_t::getHash()) return MessageState::kWrongType;
   fields.next<std::int64_t>();  // utime: each image has its own
   const auto count = fields.next<std::int32_t>();
-  if (count < 0 || count > kMaxImages) return MessageState::kDamaged;
+  if (count <= 0 || count > kMaxImages) return MessageState::kDamaged;
   std::array<std::int16_t, kMaxImages> types{};
   for (std::int32_t i = 0; i < count; ++i) {
     types[static_cast<std::size_t>(i)] = fields.next<std::int16_t>();

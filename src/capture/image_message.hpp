@@ -57,6 +57,8 @@ class MemoryReader final : public MessageReader {
   std::span<const std::uint8_t> message_;
 };
 
+// The time of an encoded bot_core.images_t or image_t, also of one that is damaged further on.
+[[nodiscard]] std::optional<std::int64_t> find_utime_us(MessageReader& message);
 // bot_core.images_t: its LEFT and RIGHT images.
 [[nodiscard]] MessageState find_images(MessageReader& message, StereoRecord& found);
 // bot_core.image_t.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/image_receiver.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <numeric>
 
@@ -29,7 +30,9 @@ void ImageReceiver::receive(const std::string& channel, std::span<const std::uin
 void ImageReceiver::receive_calibration(std::span<const std::uint8_t> message) {
   if (!wants_calibration_) return;
   const auto decoded = decode_calibration(message);
-  if (!decoded || !fault_of(decoded->calibration).empty()) {
+  calibration_fault_ =
+      decoded ? fault_of(decoded->calibration) : "it is not an egomod.calibration_t";
+  if (!calibration_fault_.empty()) {
     ++counters_.damaged_messages;
     return;
   }
@@ -39,6 +42,7 @@ void ImageReceiver::receive_calibration(std::span<const std::uint8_t> message) {
 
 void ImageReceiver::receive_images(const std::string& channel,
                                    std::span<const std::uint8_t> message) {
+  counters_.largest_message_bytes = std::max(counters_.largest_message_bytes, message.size());
   MemoryReader reader(message);
   StereoRecord found;
   if (channel == channels_.both) {
@@ -115,6 +119,11 @@ void ImageReceiver::give_back(const LivePairing::Decision& decision) {
 ImageReceiver::Counters ImageReceiver::counters() const {
   const std::lock_guard lock(mutex_);
   return counters_;
+}
+
+std::string ImageReceiver::calibration_fault() const {
+  const std::lock_guard lock(mutex_);
+  return calibration_fault_;
 }
 
 }  // namespace egomod

@@ -32,6 +32,7 @@ class ImageReceiver {
     std::uint64_t lost_images = 0;       // gaps in the exposures of the left camera
     std::uint64_t dropped_images = 0;    // came too late, or the store was full
     std::uint64_t damaged_messages = 0;  // of a wrong type, or not whole
+    std::size_t largest_message_bytes = 0;
   };
 
   ImageReceiver(const CaptureConfig& config, bool wants_calibration);
@@ -49,6 +50,8 @@ class ImageReceiver {
   void give_back(const LivePairing::Decision& decision);
 
   [[nodiscard]] Counters counters() const;
+  // Why the last calibration that came could not be the first; empty if none was refused.
+  [[nodiscard]] std::string calibration_fault() const;
   [[nodiscard]] const ImageChannels& channels() const { return channels_; }
 
  private:
@@ -65,6 +68,7 @@ class ImageReceiver {
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
   std::optional<Calibration> calibration_;
+  std::string calibration_fault_;
   LivePairing pairing_;
   std::array<Slot, kSlots> slots_;
   std::array<std::size_t, kSlots> free_slots_{};

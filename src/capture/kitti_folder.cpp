@@ -98,16 +98,19 @@ void require_equal_counts(const fs::path& folder, std::size_t left) {
                     "times_right.txt");
 }
 
-Calibration read_calibration(const fs::path& folder) {
-  if (fs::exists(folder / "calib_full.txt")) {
-    return read_kitti_raw_calibration(folder / "calib_full.txt");
+void read_calibration(const fs::path& folder, FolderContents& contents) {
+  contents.calibration_file = (folder / "calib_full.txt").string();
+  if (fs::exists(contents.calibration_file)) {
+    contents.calibration = read_kitti_raw_calibration(contents.calibration_file);
+    return;
   }
   if (!fs::exists(folder / "calib.txt")) {
     throw SourceError((folder / "calib.txt").string() +
                       " is missing: add it (P0: and P1: of the rectified cameras), or name a rig " +
                       "file with --rig");
   }
-  return read_kitti_calibration(folder / "calib.txt");
+  contents.calibration_file = (folder / "calib.txt").string();
+  contents.calibration = read_kitti_calibration(contents.calibration_file);
 }
 
 }  // namespace
@@ -116,7 +119,7 @@ FolderContents read_kitti_folder(const fs::path& folder, bool rig_file_given) {
   FolderContents contents;
   const fs::path right_times = folder / "times_right.txt";
   contents.is_paired_by_index = !fs::exists(right_times);
-  if (!rig_file_given) contents.calibration = read_calibration(folder);
+  if (!rig_file_given) read_calibration(folder, contents);
   contents.left = list_camera(folder / "image_0", folder / "times.txt");
   if (contents.is_paired_by_index) require_equal_counts(folder, contents.left.files.size());
   contents.right = list_camera(folder / "image_1",

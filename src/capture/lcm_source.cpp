@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
-#include <cstdlib>
-#include <fstream>
 #include <lcm/lcm-cpp.hpp>
 #include <mutex>
 #include <thread>
@@ -15,37 +13,29 @@
 #include "capture/image_decoder.hpp"
 #include "capture/image_receiver.hpp"
 #include "capture/pair_preparer.hpp"
+#include "capture/receive_buffer.hpp"
 #include "capture/rig_file.hpp"
 #include "capture/sources.hpp"
 
 namespace egomod {
 namespace {
 
-constexpr const char* kDefaultUrl = "udpm://239.255.76.67:7667?ttl=0";
-constexpr long kReceiveBufferBytes = 8L << 20;
 constexpr int kHandleTimeout_ms = 50;
 constexpr std::chrono::seconds kRetry{1};
-
-// What the kernel grants of the wanted receive buffer; empty if all of it.
-std::string receive_buffer_notice() {
-  long granted_bytes = 0;
-  std::ifstream("/proc/sys/net/core/rmem_max") >> granted_bytes;
-  if (granted_bytes == 0 || granted_bytes >= kReceiveBufferBytes) return {};
-  return "the kernel caps receive buffers at " + std::to_string(granted_bytes) +
-         " bytes: large images get lost; run 'sysctl -w net.core.rmem_max=" +
-         std::to_string(kReceiveBufferBytes) + "'";
-}
+constexpr std::chrono::seconds kFirstImagesWithin{3};
 
 class LcmSource final : public FrameSource {
  public:
-  // One of `bus` and `url` is used.
-  LcmSource(lcm::LCM* bus, std::string url, const CaptureConfig& config,
+  // `bus`, if it is given, is used instead of the one at `address`.
+  LcmSource(lcm::LCM* bus, BusAddress address, const CaptureConfig& config,
             std::optional<Calibration> calibration)
-      : url_(std::move(url)),
+      : address_(std::move(address)),
+        url_(with_receive_buffer(address_.url())),
+        receive_buffer_(granted_bytes(url_, allowed_receive_buffer_bytes())),
         receiver_(config, !calibration),
         rate_(config.max_rate_hz),
         bus_(bus) {
-    if (calibration) preparer_ = std::make_unique<PairPreparer>(*calibration);
+    if (calibration) prepare(*calibration);
     if (bus_ != nullptr) subscribe();
     thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
   }
@@ -72,19 +62,29 @@ class LcmSource final : public FrameSource {
     if (preparer_) {
       preparer_->set_calibration(calibration);
     } else {
-      preparer_ = std::make_unique<PairPreparer>(calibration);
+      prepare(calibration);
       receiver_.provide(calibration);
     }
   }
 
+  // That there is no bus says the publisher, which wants the same one.
   [[nodiscard]] std::string notice() const override {
     const std::lock_guard lock(mutex_);
-    std::string text = bus_notice_;
-    if (!preparer_) {
-      text += (text.empty() ? "" : "; ") + std::string("waiting for ") + kCalibrationChannel +
-              " on the bus: publish it, or name a rig file with --rig";
-    }
-    return text;
+    if (!bus_notice_.empty() || preparer_ || !is_connected_) return bus_notice_;
+    const std::string fault = receiver_.calibration_fault();
+    return std::string("waiting for ") + kCalibrationChannel + " on the bus" +
+           (fault.empty() ? "" : " (what came cannot be right: " + fault + ")") +
+           ": publish it, or name a rig file with --rig";
+  }
+
+  [[nodiscard]] std::vector<std::string> take_warnings() override {
+    const std::lock_guard lock(mutex_);
+    const auto received = receiver_.counters();
+    const std::string warning =
+        receive_buffer_.warning({.largest_message_bytes = received.largest_message_bytes,
+                                 .awaited_bytes = awaited_bytes(),
+                                 .lost_images = received.lost_images});
+    return warning.empty() ? std::vector<std::string>{} : std::vector{warning};
   }
 
   [[nodiscard]] SourceCounters counters() const override {
@@ -104,8 +104,24 @@ class LcmSource final : public FrameSource {
     const auto calibration = receiver_.wait_for_calibration(stop);
     if (!calibration) return false;
     const std::lock_guard lock(mutex_);
-    if (!preparer_) preparer_ = std::make_unique<PairPreparer>(*calibration);
+    if (!preparer_) prepare(*calibration);
     return true;
+  }
+
+  void prepare(const Calibration& calibration) {
+    preparer_ = std::make_unique<PairPreparer>(calibration);
+    prepared_at_ = std::chrono::steady_clock::now();
+  }
+
+  // Of a raw pair, which should have come by now; 0 if it need not.
+  [[nodiscard]] std::size_t awaited_bytes() const {
+    const bool is_overdue = preparer_ && is_connected_ &&
+                            std::chrono::steady_clock::now() - prepared_at_ > kFirstImagesWithin;
+    if (!is_overdue) return 0;
+    const ImageSize size = preparer_->left_size();
+    const bool is_both = !receiver_.channels().both.empty();
+    return (is_both ? std::size_t{2} : std::size_t{1}) * static_cast<std::size_t>(size.width_px) *
+           static_cast<std::size_t>(size.height_px);
   }
 
   void fill(StereoPair& pair, const LivePairing::Decision& decision) {
@@ -113,12 +129,12 @@ class LcmSource final : public FrameSource {
     preparer_->begin(pair);
     pair.sequence = sequence_++;
     pair.exposure = decision.left.exposure;
-    pair.right_exposure = decision.right ? decision.right->exposure : pair.exposure;
+    pair.right_exposure = decision.nearest_right.value_or(pair.exposure);
     pair.discontinuity = decision.discontinuity;
     pair.arrival = left.arrival;
     const bool is_due = rate_.is_due(pair.exposure);
     if (!decision.is_accepted) {
-      pair.status = PairStatus::kRejected;
+      PairPreparer::reject(pair, decision.nearest_right ? PairFault::kSkew : PairFault::kNoPartner);
       return;
     }
     const ImageReceiver::Slot& right = receiver_.slot(decision.right->slot);
@@ -149,6 +165,8 @@ class LcmSource final : public FrameSource {
       if (channel.empty()) continue;
       subscriptions_.push_back(bus_->subscribeFunction(channel, &LcmSource::on_message, this));
     }
+    const std::lock_guard lock(mutex_);
+    is_connected_ = true;
   }
 
   void set_bus_notice(const std::string& text) {
@@ -156,20 +174,15 @@ class LcmSource final : public FrameSource {
     bus_notice_ = text;
   }
 
-  // A network that is not up yet comes up later: asked again each second.
+  // A network that is not up yet comes up later.
   void connect(const std::stop_token& stop) {
     while (bus_ == nullptr && !stop.stop_requested()) {
-      auto bus = std::make_unique<lcm::LCM>(url_);
-      if (bus->good()) {
-        own_bus_ = std::move(bus);
-        bus_ = own_bus_.get();
-        set_bus_notice(url_.starts_with("udpm://") ? receive_buffer_notice() : "");
+      own_bus_ = address_.open(url_);
+      bus_ = own_bus_.get();
+      if (bus_ != nullptr) {
         subscribe();
         return;
       }
-      set_bus_notice("the bus " + url_ +
-                     " cannot be opened; is there a multicast route ('ip route " +
-                     "add 224.0.0.0/4 dev lo')? Trying again");
       std::unique_lock lock(mutex_);
       retry_.wait_for(lock, stop, kRetry, [] { return false; });
     }
@@ -185,7 +198,9 @@ class LcmSource final : public FrameSource {
     }
   }
 
+  const BusAddress address_;
   const std::string url_;
+  ReceiveBufferWatch receive_buffer_;  // under the mutex
   ImageReceiver receiver_;
   RateLimiter rate_;
   ImageDecoder decoder_;
@@ -193,6 +208,8 @@ class LcmSource final : public FrameSource {
   mutable std::mutex mutex_;
   std::condition_variable_any retry_;
   std::string bus_notice_;
+  bool is_connected_ = false;
+  std::chrono::steady_clock::time_point prepared_at_{};
   std::unique_ptr<PairPreparer> preparer_;  // set once, under the mutex
   std::unique_ptr<lcm::LCM> own_bus_;
   lcm::LCM* bus_;
@@ -207,27 +224,14 @@ std::optional<Calibration> rig_calibration(const std::string& rig_file) {
 
 }  // namespace
 
-std::string with_receive_buffer(const std::string& given) {
-  std::string url = given;
-  if (const char* preset = std::getenv("LCM_DEFAULT_URL"); url.empty() && preset != nullptr) {
-    url = preset;
-  }
-  if (url.empty()) url = kDefaultUrl;
-  const bool is_set = url.find("recv_buf_size=") != std::string::npos;
-  if (!url.starts_with("udpm://") || is_set) return url;
-  const char join = url.find('?') == std::string::npos ? '?' : '&';
-  return url + join + "recv_buf_size=" + std::to_string(kReceiveBufferBytes);
-}
-
 std::unique_ptr<FrameSource> open_lcm_source(lcm::LCM& bus, const CaptureConfig& config,
                                              const std::string& rig_file) {
-  return std::make_unique<LcmSource>(&bus, "", config, rig_calibration(rig_file));
+  return std::make_unique<LcmSource>(&bus, BusAddress(), config, rig_calibration(rig_file));
 }
 
-std::unique_ptr<FrameSource> open_lcm_source(const std::string& url, const CaptureConfig& config,
+std::unique_ptr<FrameSource> open_lcm_source(const BusAddress& address, const CaptureConfig& config,
                                              const std::string& rig_file) {
-  return std::make_unique<LcmSource>(nullptr, with_receive_buffer(url), config,
-                                     rig_calibration(rig_file));
+  return std::make_unique<LcmSource>(nullptr, address, config, rig_calibration(rig_file));
 }
 
 }  // namespace egomod

@@ -87,7 +87,7 @@ std::optional<LivePairing::Decision> LivePairing::decide() {
   const Nanoseconds exposure = left_.entries[0].exposure;
   const auto nearest = nearest_right(exposure);
   const auto interval = interval_.median();
-  const Nanoseconds half = interval ? *interval / 2 : Nanoseconds::max();
+  const Nanoseconds half = interval ? *interval / 2 : kUnknownIntervalLimit;
   const Nanoseconds limit = max_skew_s_ > 0.0 ? Nanoseconds(std::llround(max_skew_s_ * 1e9)) : half;
   const bool has_passed = right_.count > 0 && right_.entries[right_.count - 1].exposure >= exposure;
   const Nanoseconds skew =
@@ -98,6 +98,7 @@ std::optional<LivePairing::Decision> LivePairing::decide() {
   if (!is_near && !has_passed && waits) return std::nullopt;
   Decision decision;
   decision.left = left_.take(0);
+  if (nearest) decision.nearest_right = right_.entries[*nearest].exposure;
   decision.is_accepted = nearest && skew <= limit;
   if (decision.is_accepted) decision.right = right_.take(*nearest);
   note_gap(decision);

@@ -26,7 +26,8 @@ class LivePairing {
   };
   struct Decision {
     Entry left;
-    std::optional<Entry> right;  // the nearest one; the caller gives back its slot
+    std::optional<Entry> right;                // if accepted; the caller gives back its slot
+    std::optional<Nanoseconds> nearest_right;  // also when it is too far away
     bool is_accepted = false;
     bool discontinuity = false;
     std::uint64_t lost = 0;  // left images that the gap before this one has swallowed

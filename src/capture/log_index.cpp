@@ -2,6 +2,7 @@
 #include "capture/log_index.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <string>
 #include <utility>
 
@@ -31,7 +32,7 @@ class Indexer {
   Images left;
   Images right;
   std::vector<TimedCalibration> calibrations;
-  std::uint64_t damaged_messages = 0;
+  std::uint64_t untimed_messages = 0;
 
  private:
   [[noreturn]] void fail(const LogEvent& event, const std::string& what) const {
@@ -57,12 +58,29 @@ class Indexer {
       fail(event, is_both ? "is not a bot_core.images_t" : "is not a bot_core.image_t");
     }
     if (state == MessageState::kDamaged) {
-      ++damaged_messages;
+      add_damaged(event, reader);
       return;
     }
     if (!is_both) (event.channel == channels_.left ? found.left : found.right) = one;
     if (found.left) add_image(event, *found.left, left);
     if (found.right) add_image(event, *found.right, right);
+  }
+
+  // It keeps its place among the pairs, so that the later ones keep their numbers. A time that does
+  // not fit its neighbours' is damaged as well.
+  void add_damaged(const LogEvent& event, MessageReader& reader) {
+    LogImage image{.segment = segment_, .is_damaged = true};
+    const auto utime_us = find_utime_us(reader);
+    image.record.utime_us = utime_us.value_or(0);
+    const bool fits =
+        utime_us &&
+        (!newest_ || std::chrono::abs(image.record.exposure() - *newest_) <= kReorderingWindow);
+    if (!fits) {
+      ++untimed_messages;
+      return;
+    }
+    if (event.channel != channels_.right) left.push_back(image);
+    if (event.channel != channels_.left) right.push_back(image);
   }
 
   void add_image(const LogEvent& event, const ImageRecord& record, Images& images) {
@@ -76,7 +94,7 @@ class Indexer {
       newest_ = exposure;
     }
     newest_ = newest_ ? std::max(*newest_, exposure) : exposure;
-    images.push_back({record, segment_});
+    images.push_back({.record = record, .segment = segment_});
     images.back().record.data_offset += event.data_offset;
   }
 
@@ -138,7 +156,7 @@ LogIndex index_log(LogFile& log, const CaptureConfig& config) {
   sort_by_exposure(indexer.right);
   LogIndex index;
   index.calibrations = std::move(indexer.calibrations);
-  index.damaged_messages = indexer.damaged_messages;
+  index.untimed_messages = indexer.untimed_messages;
   const int segments = indexer.left.empty() ? 0 : indexer.left.back().segment + 1;
   for (int segment = 0; segment < segments; ++segment) {
     append_pairs(take_segment(indexer.left, segment), take_segment(indexer.right, segment),

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "capture/calibration_message.hpp"
@@ -13,22 +14,25 @@ namespace egomod {
 
 // An image of the log. `record.data_offset` counts from the start of the file.
 struct LogImage {
-  ImageRecord record;
-  int segment = 0;  // grows where the clock steps back by more than the reordering window
+  ImageRecord record{};
+  int segment = 0;          // grows where the clock steps back by more than the reordering window
+  bool is_damaged = false;  // of its message only the time could be read
 };
 
 struct LogPair {
   LogImage left;
-  LogImage right;  // the nearest one; of size 0 if there is none
-  bool is_accepted = false;
-  bool discontinuity = false;  // the first pair of a new segment
+  std::optional<LogImage> right;  // the nearest one
+  bool is_accepted = false;       // within the skew limit
+  bool discontinuity = false;     // the first pair of a new segment
+
+  [[nodiscard]] bool is_damaged() const { return left.is_damaged || (right && right->is_damaged); }
 };
 
 // All that a log has for capture, found in one pass that touches no pixels.
 struct LogIndex {
   std::vector<LogPair> pairs;                  // in order of exposure
   std::vector<TimedCalibration> calibrations;  // in order of the log
-  std::uint64_t damaged_messages = 0;
+  std::uint64_t untimed_messages = 0;          // so damaged that they could not become pairs
 };
 
 inline constexpr Nanoseconds kReorderingWindow = std::chrono::seconds(1);

@@ -17,6 +17,11 @@
 namespace egomod {
 namespace {
 
+PairFault fault_of(const LogPair& pair) {
+  if (pair.is_damaged()) return PairFault::kDamaged;
+  return pair.right ? PairFault::kSkew : PairFault::kNoPartner;
+}
+
 class LogSource final : public FrameSource {
  public:
   LogSource(std::unique_ptr<LogFile> log, LogIndex index, const Calibration& calibration,
@@ -49,6 +54,9 @@ class LogSource final : public FrameSource {
   [[nodiscard]] bool is_replay() const override { return true; }
   [[nodiscard]] std::uint64_t size() const override { return index_.pairs.size(); }
   [[nodiscard]] std::string error() const override { return error_; }
+  [[nodiscard]] SourceCounters counters() const override {
+    return {.damaged_messages = index_.untimed_messages};
+  }
   void set_calibration(const Calibration& calibration) override {
     preparer_.set_calibration(calibration);
   }
@@ -57,7 +65,8 @@ class LogSource final : public FrameSource {
   void reserve_bytes() {
     std::int32_t most = 0;
     for (const LogPair& pair : index_.pairs) {
-      most = std::max({most, pair.left.record.size_bytes, pair.right.record.size_bytes});
+      most = std::max(most, pair.left.record.size_bytes);
+      if (pair.right) most = std::max(most, pair.right->record.size_bytes);
     }
     bytes_.reserve(static_cast<std::size_t>(most));
   }
@@ -68,8 +77,10 @@ class LogSource final : public FrameSource {
     const auto fits = [&](const LogPair& pair) {
       return ImageSize{pair.left.record.width_px, pair.left.record.height_px} == expected;
     };
-    if (index_.pairs.empty() || std::any_of(index_.pairs.begin(), index_.pairs.end(), fits)) return;
-    const ImageRecord& first = index_.pairs.front().left.record;
+    const auto whole = std::find_if(index_.pairs.begin(), index_.pairs.end(),
+                                    [](const LogPair& pair) { return !pair.left.is_damaged; });
+    if (whole == index_.pairs.end() || std::any_of(whole, index_.pairs.end(), fits)) return;
+    const ImageRecord& first = whole->left.record;
     throw SourceError(log_->path() + ": its images are " + std::to_string(first.width_px) + "x" +
                       std::to_string(first.height_px) + " pixels, the calibration is for " +
                       std::to_string(expected.width_px) + "x" + std::to_string(expected.height_px) +
@@ -88,24 +99,23 @@ class LogSource final : public FrameSource {
   void fill(StereoPair& pair, std::size_t i) {
     const LogPair& found = index_.pairs[i];
     const ImageRecord& left = found.left.record;
-    const ImageRecord& right = found.right.record;
     follow_calibrations(left.exposure());
     preparer_.begin(pair);
     pair.sequence = i;
     pair.exposure = left.exposure();
-    pair.right_exposure = right.width_px > 0 ? right.exposure() : left.exposure();
+    pair.right_exposure = found.right ? found.right->record.exposure() : left.exposure();
     pair.discontinuity = found.discontinuity;
     const bool is_due = rate_.is_due(pair.exposure);
-    if (!found.is_accepted) {
-      pair.status = PairStatus::kRejected;
+    if (!found.is_accepted || found.is_damaged()) {
+      PairPreparer::reject(pair, fault_of(found));
     } else if (!is_due) {
       pair.status = PairStatus::kSkipped;
     } else if (decode(left, preparer_.left_size(), preparer_.left_target(pair)) &&
-               decode(right, preparer_.right_size(), preparer_.right_target(pair))) {
+               decode(found.right->record, preparer_.right_size(), preparer_.right_target(pair))) {
       preparer_.finish(pair);
       rate_.keep(pair.exposure);
     } else {
-      preparer_.reject(pair);
+      PairPreparer::reject(pair, PairFault::kDamaged);
     }
     pair.arrival = std::chrono::steady_clock::now().time_since_epoch();
   }
@@ -153,6 +163,13 @@ Calibration take_calibrations(LogIndex& index, const std::string& file,
   if (faulty != all.end()) {
     throw SourceError(file + ": " + kCalibrationChannel + ": " + fault_of(faulty->calibration) +
                       "; name a rig file with --rig");
+  }
+  for (const TimedCalibration& timed : all) {
+    if (const std::string why = contradiction(first, timed.calibration); !why.empty()) {
+      throw SourceError(file + ": its " + kCalibrationChannel +
+                        " messages contradict each other (" + why +
+                        "); name the right rig file with --rig");
+    }
   }
   all.erase(all.begin());
   return first;

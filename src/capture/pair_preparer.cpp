@@ -22,6 +22,19 @@ ImageSize size_of_right(const Calibration& calibration) {
 
 }  // namespace
 
+std::string contradiction(const Calibration& in_force, const Calibration& next) {
+  if (next.images_are_raw != in_force.images_are_raw) {
+    return std::string("images_are_raw says that images are ") +
+           (in_force.images_are_raw ? "rectified, but this source's are raw"
+                                    : "raw, but this source's are rectified");
+  }
+  if (size_of_left(next) != size_of_left(in_force) ||
+      size_of_right(next) != size_of_right(in_force)) {
+    return "is for images of another size than this source's";
+  }
+  return {};
+}
+
 PairPreparer::Setup::Setup(const Calibration& given) : calibration(given) {
   if (const std::string fault = fault_of(given); !fault.empty()) {
     throw SourceError("calibration: " + fault);
@@ -32,19 +45,15 @@ PairPreparer::Setup::Setup(const Calibration& given) : calibration(given) {
 }
 
 PairPreparer::PairPreparer(const Calibration& calibration)
-    : setup_(std::make_unique<Setup>(calibration)),
-      are_raw_(calibration.images_are_raw),
-      left_size_(size_of_left(calibration)),
-      right_size_(size_of_right(calibration)) {}
+    : setup_(std::make_unique<Setup>(calibration)), first_(calibration) {}
+
+ImageSize PairPreparer::left_size() const { return size_of_left(first_); }
+
+ImageSize PairPreparer::right_size() const { return size_of_right(first_); }
 
 void PairPreparer::set_calibration(const Calibration& calibration) {
-  if (size_of_left(calibration) != left_size_ || size_of_right(calibration) != right_size_) {
-    throw SourceError("calibration: is for images of another size than this source's");
-  }
-  if (calibration.images_are_raw != are_raw_) {
-    throw SourceError(std::string("calibration: images_are_raw says that images are ") +
-                      (are_raw_ ? "rectified, but this source's are raw"
-                                : "raw, but this source's are rectified"));
+  if (const std::string why = contradiction(first_, calibration); !why.empty()) {
+    throw SourceError("calibration: " + why);
   }
   auto setup = std::make_unique<Setup>(calibration);
   const std::lock_guard lock(pending_mutex_);
@@ -58,6 +67,7 @@ void PairPreparer::begin(StereoPair& pair) {
   }
   pair.calibration = setup_->calibration;
   pair.status = PairStatus::kOk;
+  pair.fault = PairFault::kNone;
   pair.discontinuity = false;
   pair.epoch_offset = Nanoseconds(0);
   pair.left.resize(0, 0);
@@ -76,8 +86,9 @@ void PairPreparer::finish(StereoPair& pair) {
   setup_->right->apply(raw_right_, pair.right);
 }
 
-void PairPreparer::reject(StereoPair& pair) {
+void PairPreparer::reject(StereoPair& pair, PairFault fault) {
   pair.status = PairStatus::kRejected;
+  pair.fault = fault;
   pair.left.resize(0, 0);
   pair.right.resize(0, 0);
 }

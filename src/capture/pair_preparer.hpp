@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <mutex>
+#include <string>
 
 #include "capture/rectifier.hpp"
 #include "egomod/core/calibration.hpp"
@@ -15,6 +16,9 @@ struct ImageSize {
   int height_px = 0;
   bool operator==(const ImageSize&) const = default;
 };
+
+// Why a source whose images are as `in_force` says cannot go on with `next`; empty if it can.
+[[nodiscard]] std::string contradiction(const Calibration& in_force, const Calibration& next);
 
 // The last step of every source: gives each pair its calibration, rectifies raw images, and lets
 // the calibration change between two pairs.
@@ -34,12 +38,12 @@ class PairPreparer {
   [[nodiscard]] Image& left_target(StereoPair& pair);
   [[nodiscard]] Image& right_target(StereoPair& pair);
   // The sizes that the targets must have.
-  [[nodiscard]] ImageSize left_size() const { return left_size_; }
-  [[nodiscard]] ImageSize right_size() const { return right_size_; }
+  [[nodiscard]] ImageSize left_size() const;
+  [[nodiscard]] ImageSize right_size() const;
   // Both targets are filled: the pair leaves rectified.
   void finish(StereoPair& pair);
   // The pair cannot be used: it leaves without images.
-  static void reject(StereoPair& pair);
+  static void reject(StereoPair& pair, PairFault fault = PairFault::kDamaged);
 
  private:
   // A calibration and the tables that follow from it, made in the thread that brings it.
@@ -54,9 +58,7 @@ class PairPreparer {
   std::unique_ptr<const Setup> setup_;
   Image raw_left_;
   Image raw_right_;
-  const bool are_raw_;
-  const ImageSize left_size_;
-  const ImageSize right_size_;
+  const Calibration first_;  // later ones must be for images of the same kind
   std::mutex pending_mutex_;
   std::unique_ptr<const Setup> pending_;
 };

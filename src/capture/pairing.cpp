@@ -41,7 +41,7 @@ Nanoseconds skew_limit(double configured_s, std::span<const Nanoseconds> left,
   if (configured_s > 0.0) return Nanoseconds(std::llround(configured_s * 1e9));
   if (const auto interval = median_interval(left)) return *interval / 2;
   if (const auto interval = median_interval(right)) return *interval / 2;
-  return Nanoseconds::max();
+  return kUnknownIntervalLimit;
 }
 
 std::vector<Partner> pair_by_exposure(std::span<const Nanoseconds> left,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -14,8 +15,11 @@ namespace egomod {
 // Median of the differences of neighbours; nothing for fewer than two times.
 [[nodiscard]] std::optional<Nanoseconds> median_interval(std::span<const Nanoseconds> times);
 
+// Where nothing tells the frame interval, it is taken to be that of 10 Hz, slow for a moving rig.
+inline constexpr Nanoseconds kUnknownIntervalLimit = std::chrono::milliseconds(50);
+
 // The skew up to which two exposures are one instant: `configured_s`, or, if that is 0, half the
-// frame interval of either camera; without any interval there is no limit.
+// frame interval of either camera; without any interval kUnknownIntervalLimit.
 [[nodiscard]] Nanoseconds skew_limit(double configured_s, std::span<const Nanoseconds> left,
                                      std::span<const Nanoseconds> right);
 

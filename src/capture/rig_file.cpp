@@ -66,6 +66,10 @@ class Table {
     return sides;
   }
 
+  [[noreturn]] void fail(std::string_view key, const std::string& what) const {
+    fail(std::string(key), node(key), what);
+  }
+
   [[noreturn]] void fail(const std::string& key, const toml::node& node,
                          const std::string& what) const {
     throw SourceError(at(file_, static_cast<int>(node.source().begin.line)) + ": " +
@@ -109,6 +113,7 @@ Eigen::Isometry3d read_T_body_camera(const Table& table) {
   if (table.has("matrix")) {
     const auto values = table.numbers("matrix", 16);
     T.matrix() = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(values.data());
+    if (!is_rigid_transform(T.matrix())) table.fail("matrix", "is not a rigid transform");
     return T;
   }
   const auto t = table.numbers("translation_m", 3);
@@ -206,7 +211,7 @@ Calibration read_rig_file(const std::string& file) {
     calibration.T_body_camera = read_T_body_camera(root.table("T_body_camera"));
   }
   if (const std::string fault = fault_of(calibration); !fault.empty()) {
-    throw SourceError(file + ": " + fault);
+    throw SourceError(file + ": " + fault + "; correct the rig file");
   }
   return calibration;
 }

@@ -15,7 +15,7 @@ namespace egomod {
 [[nodiscard]] std::unique_ptr<FrameSource> open_log_source(const std::string& file,
                                                            const CaptureConfig& config,
                                                            const std::string& rig_file);
-[[nodiscard]] std::unique_ptr<FrameSource> open_lcm_source(const std::string& url,
+[[nodiscard]] std::unique_ptr<FrameSource> open_lcm_source(const BusAddress& address,
                                                            const CaptureConfig& config,
                                                            const std::string& rig_file);
 

@@ -17,10 +17,10 @@ double parse_number(std::string_view token, const std::string& where) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error != std::errc{} || end != digits.data() + digits.size()) {
-    throw SourceError(where + ": '" + std::string(token) + "' is not a number");
+    throw SourceError(where + ": '" + shown(token) + "' is not a number");
   }
   if (!std::isfinite(value)) {
-    throw SourceError(where + ": '" + std::string(token) + "' is not finite");
+    throw SourceError(where + ": '" + shown(token) + "' is not finite");
   }
   return value;
 }
@@ -29,6 +29,21 @@ double parse_number(std::string_view token, const std::string& where) {
 
 std::string at(const std::filesystem::path& file, int line) {
   return file.string() + ":" + std::to_string(line);
+}
+
+std::string shown(std::string_view text) {
+  constexpr std::size_t kMaxLength = 60;
+  constexpr std::string_view kHex = "0123456789abcdef";
+  std::string safe;
+  for (const char letter : text.substr(0, kMaxLength)) {
+    const auto byte = static_cast<unsigned char>(letter);
+    if (byte >= 0x20 && byte < 0x7F) {
+      safe += letter;
+    } else {
+      safe += {'\\', 'x', kHex[byte >> 4U], kHex[byte & 0xFU]};
+    }
+  }
+  return text.size() > kMaxLength ? safe + "..." : safe;
 }
 
 std::string_view trimmed(std::string_view text) {
@@ -65,7 +80,7 @@ long long parse_integer(std::string_view text, const std::string& where) {
   long long value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size()) {
-    throw SourceError(where + ": '" + std::string(text) + "' is not a whole number");
+    throw SourceError(where + ": '" + shown(text) + "' is not a whole number");
   }
   return value;
 }

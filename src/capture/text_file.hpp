@@ -16,6 +16,10 @@ struct TextLine {
 // "file:line", as compilers print it.
 [[nodiscard]] std::string at(const std::filesystem::path& file, int line);
 
+// What a file holds, fit for a message on a terminal: other bytes than printable ASCII as \xNN, not
+// too long.
+[[nodiscard]] std::string shown(std::string_view text);
+
 // Lines that hold something, without white space at either end. Throws SourceError.
 [[nodiscard]] std::vector<TextLine> read_lines(const std::filesystem::path& file);
 

@@ -49,7 +49,7 @@ void Pipeline::start() {
     warnings_.push_back(lock_memory());
   }
   try {
-    launch_stages();
+    config_.single_thread ? launch_single_thread() : launch_stages();
   } catch (...) {  // no thread to be had: those that run must not wait for those that do not
     request_stop();
     for (FrameRing* ring : {&captured_, &tracked_, &located_, &detected_}) {
@@ -100,11 +100,15 @@ void Pipeline::loop(Stage stage, In& in, Out& out) {
   out.close();
 }
 
-PipelineEnd Pipeline::run_single_thread() {
-  if (config_.lock_memory) {
-    warnings_.push_back(lock_memory());
-    std::erase(warnings_, std::string());
-  }
+void Pipeline::launch_single_thread() {
+  const ThreadSettings settings{.name = "all stages",
+                                .fifo_priority = config_.realtime_priority,
+                                .cpu = parse_cpus(config_.cpus)[index(Stage::kCapture)]};
+  threads_.emplace_back(settings, [this] { loop_over_all_stages(); });
+  warnings_.push_back(threads_.back().warning());
+}
+
+void Pipeline::loop_over_all_stages() {
   Frame* frame = pool_.pop();
   const auto work_on_all = [&] {
     for (std::size_t stage = 0; stage < kStageCount; ++stage) {
@@ -116,7 +120,6 @@ PipelineEnd Pipeline::run_single_thread() {
   };
   while (frame != nullptr && !stop_.stop_requested() && work_on_all()) {
   }
-  return conclude();
 }
 
 PipelineEnd Pipeline::join() {
@@ -207,8 +210,8 @@ Frame* NewestOf::pop() {
     } else {
       broken_after_last_ = broken_after_last_ || newer->pair.discontinuity;
     }
+    counters_.count_dropped(newer->pair);
     pool_.discard(newer);
-    counters_.count_dropped();
   }
   newest->pair.discontinuity = newest->pair.discontinuity || broken;
   return newest;
@@ -224,9 +227,9 @@ std::array<int, kStageCount> parse_cpus(const std::string& cpus) {
     const auto [after, error] = std::from_chars(at, end, cpu);
     const bool separated = after == end || (*after == ',' && after + 1 != end);
     if (error != std::errc() || !separated || cpu < 0 || cpu > 1023 || count >= kStageCount) {
-      throw std::invalid_argument(
-          "pipeline.cpus: want one CPU number or " + std::to_string(kStageCount) +
-          " separated by commas, in the order of the stages, not \"" + cpus + "\"");
+      throw std::invalid_argument("want one CPU number or " + std::to_string(kStageCount) +
+                                  " separated by commas, in the order of the stages, not \"" +
+                                  cpus + "\"");
     }
     result[count] = cpu;
     at = after == end ? end : after + 1;
@@ -234,7 +237,7 @@ std::array<int, kStageCount> parse_cpus(const std::string& cpus) {
   if (count == 1) {
     result.fill(result[0]);
   } else if (count != 0 && count != kStageCount) {
-    throw std::invalid_argument("pipeline.cpus: \"" + cpus + "\" names " + std::to_string(count) +
+    throw std::invalid_argument("\"" + cpus + "\" names " + std::to_string(count) +
                                 " CPUs; want one, or one for each of the " +
                                 std::to_string(kStageCount) + " stages");
   }

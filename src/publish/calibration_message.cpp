@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cmath>
 
+#include "all_finite.hpp"
 #include "egomod/publish/messages.hpp"
 
 namespace egomod {
@@ -16,12 +16,6 @@ void write(const Eigen::Matrix3d& from, double (&to)[9]) {
 
 Eigen::Matrix3d read(const double (&from)[9]) {
   return Eigen::Map<const RowMajor33>(static_cast<const double*>(from));
-}
-
-template <std::size_t N>
-bool all_finite(const double (&values)[N]) {
-  return std::all_of(std::begin(values), std::end(values),
-                     [](double x) { return std::isfinite(x); });
 }
 
 void write_rectified(const StereoCamera& camera, calibration_t& message) {

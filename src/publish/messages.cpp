@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "all_finite.hpp"
 #include "egomod/core/geometry.hpp"
 
 namespace egomod {
@@ -35,12 +36,6 @@ void fill_judgement(const Egomotion& motion, Message& message) {
 void write(const Matrix6d& from, double (&to)[6][6]) {
   Eigen::Map<RowMajor66> matrix(&to[0][0]);
   matrix = from;
-}
-
-template <std::size_t N>
-bool all_finite(const double (&values)[N]) {
-  return std::all_of(std::begin(values), std::end(values),
-                     [](double x) { return std::isfinite(x); });
 }
 
 bool all_finite(const double (&values)[6][6]) {

@@ -18,7 +18,7 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-constexpr std::chrono::seconds kCalibrationInterval{1};
+constexpr std::chrono::seconds kRepetition{1};
 
 struct Channels {
   std::string calibration = "EGOMOD_CALIBRATION";
@@ -46,9 +46,26 @@ class Outlet {
     report(bus_.problem());
   }
 
-  void send(const EncodedMessage& message) {
+  // `is_recorded`: into the record too.
+  void send(const EncodedMessage& message, bool is_recorded = true) {
     send_to_bus(message);
-    keep(message);
+    if (is_recorded) keep(message);
+  }
+
+  // Keeps the message's bytes, to be repeated for whoever listens later.
+  void send_to_be_repeated(const EncodedMessage& message) {
+    send(message);
+    const std::lock_guard lock(mutex_);
+    repeated_.assign(message.bytes.begin(), message.bytes.end());
+    repeated_utime_us_ = message.utime_us;
+    repetition_due_ = SteadyClock::now() + kRepetition;
+  }
+
+  void repeat(const std::string& channel) {
+    const std::lock_guard lock(mutex_);
+    if (repeated_.empty() || SteadyClock::now() < repetition_due_) return;
+    bus_.send({channel, repeated_utime_us_, repeated_});
+    repetition_due_ += kRepetition;
   }
 
   void count_not_finite(int messages) {
@@ -104,6 +121,9 @@ class Outlet {
   std::string reported_;
   std::vector<std::string> warnings_;
   PublishStatistics statistics_;
+  std::vector<std::uint8_t> repeated_;
+  std::int64_t repeated_utime_us_ = 0;
+  SteadyClock::time_point repetition_due_{};
 };
 
 }  // namespace
@@ -133,6 +153,7 @@ struct Publisher::State {
   void send_objects(const Frame& frame);
   void send_tracks(const Frame& frame);
   void send_images(const StereoPair& pair);
+  void send_timing(const Frame& frame);
   void add_image(const Image& image, std::int16_t type, std::int64_t utime_us);
 
   const PublishConfig config;
@@ -142,7 +163,6 @@ struct Publisher::State {
   Outlet outlet;
   std::vector<std::uint8_t> buffer;
   std::optional<Calibration> calibration_sent;
-  SteadyClock::time_point calibration_sent_at{};
   calibration_t calibration{};
   pose_t pose{};
   velocity_t velocity{};
@@ -152,17 +172,21 @@ struct Publisher::State {
   timing_t timing{};
 };
 
-// The images beside it are rectified, whatever the source's were.
+// Images that are published beside it are rectified; without them it speaks of the source's, so
+// that a log of the source's images and of what the daemon says does not contradict itself.
 void Publisher::State::send_calibration(const StereoPair& pair) {
-  const bool changed = !calibration_sent || !(*calibration_sent == pair.calibration);
-  const auto now = SteadyClock::now();
-  if (!changed && !(target.live && now - calibration_sent_at >= kCalibrationInterval)) return;
-  fill_message(pair.calibration, false, calibration);
+  if (calibration_sent && *calibration_sent == pair.calibration) return;
+  const bool are_raw = pair.calibration.images_are_raw && config.images == ImageEncoding::kNone;
+  fill_message(pair.calibration, are_raw, calibration);
   calibration.utime = pair.utime_us();
   calibration.sequence = static_cast<std::int64_t>(pair.sequence);
-  send_if_finite(channels.calibration, calibration);
   calibration_sent = pair.calibration;
-  calibration_sent_at = now;
+  if (!is_finite(calibration)) {
+    outlet.count_not_finite(1);
+    return;
+  }
+  outlet.send_to_be_repeated(
+      {channels.calibration, calibration.utime, encode_message(calibration, buffer)});
 }
 
 void Publisher::State::send_objects(const Frame& frame) {
@@ -198,6 +222,12 @@ void Publisher::State::send_images(const StereoPair& pair) {
   send(channels.images, images);
 }
 
+void Publisher::State::send_timing(const Frame& frame) {
+  fill_message(frame, SteadyClock::now().time_since_epoch(), timing);
+  outlet.send({channels.timing, timing.utime, encode_message(timing, buffer)},
+              target.record_timing);
+}
+
 Publisher::Publisher(const PublishConfig& config, const PublishTarget& target)
     : state_(std::make_unique<State>(config, target)) {}
 
@@ -213,10 +243,7 @@ void Publisher::publish(const Frame& frame) {
   state.send_objects(frame);
   state.send_tracks(frame);
   state.send_images(frame.pair);
-  if (state.target.live || state.target.record_timing) {
-    fill_message(frame, SteadyClock::now().time_since_epoch(), state.timing);
-    state.send(state.channels.timing, state.timing);
-  }
+  if (state.target.live || state.target.record_timing) state.send_timing(frame);
   for (const EnclosedMessage& message : frame.pair.enclosed) {
     state.outlet.send({message.channel, frame.pair.utime_us(), message.bytes});
   }
@@ -227,6 +254,8 @@ void Publisher::publish_health(const health_t& message) {
   state_->outlet.send_to_bus(
       {state_->channels.health, message.utime, encode_message(message, buffer)});
 }
+
+void Publisher::repeat_calibration() { state_->outlet.repeat(state_->channels.calibration); }
 
 void Publisher::close() { state_->outlet.close(); }
 

@@ -40,8 +40,9 @@ void RecordWriter::flush() {
   if (std::fflush(file) != 0 || std::ferror(file) != 0) fail(errno);
 }
 
-void RecordWriter::fail(int error_number) const {
-  const std::string reason = error_number == 0 ? "is the disk full?" : std::strerror(error_number);
+void RecordWriter::fail(int error_number) {
+  if (first_error_ == 0) first_error_ = error_number;
+  const std::string reason = first_error_ == 0 ? "is the disk full?" : std::strerror(first_error_);
   throw RecordError("record " + path_ + ": cannot be written (" + reason +
                     "); name a file in a folder that exists, may be written and has room");
 }

@@ -9,7 +9,6 @@
 
 #include "kitti_writer.hpp"
 #include "run_program.hpp"
-#include "scenes.hpp"
 
 namespace egomod {
 namespace {
@@ -26,15 +25,36 @@ class BadInput : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     root_ = fs::path(::testing::TempDir()) / ("egomod_bad_input_" + std::to_string(getpid()));
-    fs::create_directories(root_ / "good");
-    test_support::SyntheticWorld world(test_support::following_robot(),
-                                       test_support::kinect_pair(320));
-    test_support::write_kitti_sequence(world, {.rate_hz = 10.0, .pairs = kPairs}, root_ / "good");
-    run({EGOMOD_LOG, "import", root_ / "good", root_ / "good.log"});
-    run({EGOMODD, kNoBus, "--source=folder:" + (root_ / "good").string(), "--record",
-         root_ / "record"});
+    copy_good_folder(root_ / "good");
   }
   static void TearDownTestSuite() { fs::remove_all(root_); }
+
+  // The first pairs of a rendered sequence.
+  static void copy_good_folder(const fs::path& to) {
+    const fs::path from = EGOMOD_TEST_SEQUENCES "/slow_320";
+    for (const char* side : {"image_0", "image_1"}) {
+      fs::create_directories(to / side);
+      for (int i = 0; i < kPairs; ++i) {
+        const std::string name = "00000" + std::to_string(i) + ".png";
+        fs::copy_file(from / side / name, to / side / name);
+      }
+    }
+    fs::copy_file(from / "calib.txt", to / "calib.txt");
+    write(to / "times.txt", "0\n0.1\n0.2\n0.3\n0.4\n");
+  }
+  // Its images as a log, and a record of it: made when a test asks for them.
+  static fs::path good_log() {
+    const fs::path log = root_ / "good.log";
+    if (!fs::exists(log)) run({EGOMOD_LOG, "import", root_ / "good", log});
+    return log;
+  }
+  static fs::path good_record() {
+    const fs::path record = root_ / "record";
+    if (!fs::exists(record)) {
+      run({EGOMODD, kNoBus, "--source=folder:" + (root_ / "good").string(), "--record", record});
+    }
+    return record;
+  }
 
   static Outcome run(const std::vector<std::string>& command) {
     return run_program(command, root_ / "output");
@@ -59,6 +79,8 @@ class BadInput : public ::testing::Test {
     spoil(root_ / "bad");
     const std::string said = refusal_of_source("folder:" + (root_ / "bad").string());
     refusal({EGOMOD_LOG, "import", root_ / "bad", root_ / "imported"});
+    EXPECT_FALSE(fs::exists(root_ / "imported")) << "half a log is none";
+    EXPECT_FALSE(fs::exists(root_ / "imported.part"));
     return said;
   }
   static void write(const fs::path& file, const std::string& text) { std::ofstream(file) << text; }
@@ -133,6 +155,69 @@ TEST_F(BadInput, the_calibration_is_missing_or_malformed) {
               HasSubstr("calib.txt: the line 'P0: ...' is missing"));
 }
 
+constexpr const char* kRawCalibration =
+    "S_00: 320 240\nK_00: 262 0 160 0 262 120 0 0 1\nD_00: 0 0 0 0 0\n"
+    "R_rect_00: 1 0 0 0 1 0 0 0 1\nS_rect_00: 320 240\n"
+    "S_01: 320 240\nK_01: 262 0 160 0 262 120 0 0 1\nD_01: 0 0 0 0 0\n"
+    "R_rect_01: 1 0 0 0 1 0 0 0 1\nS_rect_01: 320 240\n"
+    "R_01: 1 0 0 0 1 0 0 0 1\nT_01: -0.375 0 0\n"
+    "P_rect_00: 262 0 160 0 0 262 120 0 0 0 1 0\n"
+    "P_rect_01: 262 0 160 -98.25 0 262 120 0 0 0 1 0\n";
+
+TEST_F(BadInput, the_calibration_of_raw_images_cannot_be_right) {
+  const std::string good = kRawCalibration;
+  write(root_ / "good" / "calib_full.txt", good);
+  EXPECT_EQ(run({EGOMODD, kNoBus, "--source=folder:" + (root_ / "good").string()}).exit_code, 0);
+  fs::remove(root_ / "good" / "calib_full.txt");
+  const auto refusal_with = [&](const std::string& line, const std::string& replacement) {
+    return refusal_of_folder([&](const fs::path& f) {
+      std::string text = good;
+      text.replace(text.find(line), line.size(), replacement);
+      write(f / "calib_full.txt", text);
+    });
+  };
+  EXPECT_THAT(refusal_with("R_rect_00: 1", "R_rect_00: 2"),
+              HasSubstr("calib_full.txt:4: R_rect_00: is not a rotation"));
+  EXPECT_THAT(refusal_with("K_01: 262", "K_01: 0"), HasSubstr("calib_full.txt:7: K_01: must be"));
+  EXPECT_THAT(refusal_with("S_rect_00: 320 240", "S_rect_00: 320.5 240"),
+              HasSubstr("calib_full.txt:5: S_rect_00: is not an image size"));
+  EXPECT_THAT(refusal_with("T_01: -0.375 0 0", "T_01: -5 0 0"),
+              AllOf(HasSubstr("calib_full.txt:12: T_01:"), HasSubstr("P_rect_01 at (0.375")));
+  EXPECT_THAT(refusal_with("S_00: 320 240", "S_00: 320 480"),
+              AllOf(HasSubstr("000000.png"), HasSubstr("must be 320x480")));
+  EXPECT_THAT(
+      refusal_with("K_00: 262 0 160", "K_00: 262 0 9160"),
+      AllOf(HasSubstr("calib_full.txt: the rectified image lies outside"), HasSubstr("--rig")));
+}
+
+TEST_F(BadInput, bytes_that_are_no_text_do_not_reach_the_terminal) {
+  const std::string said =
+      refusal_of_folder([](const fs::path& f) { write(f / "calib.txt", "\x1b[31m\x07\xff"); });
+  EXPECT_THAT(said, HasSubstr("found '\\x1b[31m\\x07\\xff'"));
+}
+
+TEST_F(BadInput, not_one_pair_can_be_used) {
+  EXPECT_THAT(
+      refusal_of_source("log:" + good_log().string(),
+                        {"--set=capture.left_channel=LEFT", "--set=capture.right_channel=RIGHT"}),
+      HasSubstr("holds no left images on LEFT and RIGHT"));
+  fs::copy(root_ / "good", root_ / "late", fs::copy_options::recursive);
+  write(root_ / "late" / "times_right.txt", "100\n100.1\n100.2\n100.3\n100.4\n");
+  EXPECT_THAT(refusal_of_source("folder:" + (root_ / "late").string()),
+              AllOf(HasSubstr("5 of 5 pairs were rejected"),
+                    HasSubstr("no pair could be used, the nearest right image is 99.6 s")));
+}
+
+TEST_F(BadInput, some_pairs_cannot_be_used) {
+  fs::copy(root_ / "good", root_ / "some", fs::copy_options::recursive);
+  write(root_ / "some" / "times_right.txt", "0\n0.1\n0.2\n0.39\n0.4\n");
+  const Outcome outcome =
+      run({EGOMODD, kNoBus, "--quiet", "--source=folder:" + (root_ / "some").string()});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.output, HasSubstr("warning: 1 of 5 pairs were rejected: 1 whose images are "
+                                        "too far apart in time"));
+}
+
 TEST_F(BadInput, counts_disagree_without_times_of_the_right_camera) {
   EXPECT_THAT(refusal_of_folder([](const fs::path& f) { fs::remove(f / "image_1/000004.png"); }),
               AllOf(HasSubstr("image_0 has 5 images and image_1 4"), HasSubstr("times_right.txt")));
@@ -152,7 +237,7 @@ TEST_F(BadInput, times_run_backwards_repeat_or_are_no_numbers) {
 }
 
 TEST_F(BadInput, a_truncated_log_is_used_as_far_as_it_is_whole) {
-  fs::copy_file(root_ / "good.log", root_ / "cut.log", fs::copy_options::overwrite_existing);
+  fs::copy_file(good_log(), root_ / "cut.log", fs::copy_options::overwrite_existing);
   fs::resize_file(root_ / "cut.log", fs::file_size(root_ / "cut.log") - 1000);
   const fs::path record = root_ / "cut_record";
   EXPECT_THAT(refusal_of_source("log:" + (root_ / "cut.log").string(), {"--record", record}),
@@ -177,19 +262,18 @@ TEST_F(BadInput, what_is_named_as_a_log_is_none) {
 }
 
 TEST_F(BadInput, a_channel_carries_another_type) {
-  EXPECT_THAT(refusal_of_source("log:" + (root_ / "record").string(),
+  EXPECT_THAT(refusal_of_source("log:" + good_record().string(),
                                 {"--set=capture.left_channel=EGOMOD_POSE",
                                  "--set=capture.right_channel=EGOMOD_VELOCITY"}),
               AllOf(HasSubstr("event 1 on channel EGOMOD_POSE"), HasSubstr("bot_core.image_t")));
 }
 
 TEST_F(BadInput, a_record_holds_no_images) {
-  EXPECT_THAT(refusal_of_source("log:" + (root_ / "record").string()),
+  EXPECT_THAT(refusal_of_source("log:" + good_record().string()),
               AllOf(HasSubstr("holds no left images on EGOMOD_IMAGES"),
                     HasSubstr("capture.left_channel"), HasSubstr("publish.images")));
-  EXPECT_THAT(refusal({EGOMOD_LOG, "draw", root_ / "record", root_ / "out"}),
-              HasSubstr("--images"));
-  EXPECT_THAT(refusal({EGOMOD_LOG, "export", root_ / "good.log", root_ / "out"}),
+  EXPECT_THAT(refusal({EGOMOD_LOG, "draw", good_record(), root_ / "out"}), HasSubstr("--images"));
+  EXPECT_THAT(refusal({EGOMOD_LOG, "export", good_log(), root_ / "out"}),
               HasSubstr("holds no EGOMOD_POSE; record it with egomodd --record"));
 }
 
@@ -202,6 +286,17 @@ TEST_F(BadInput, a_rig_file_is_malformed) {
               HasSubstr("rig.toml:3: rectified.fx is not a key of a rig file"));
   EXPECT_THAT(refusal_of_rig("[left"), HasSubstr("rig.toml:1: "));
   EXPECT_THAT(refusal_of_rig(""), HasSubstr("rectified is missing"));
+  EXPECT_THAT(refusal_of_rig(R"([rectified]
+size_px = [320, 240]
+fx_px = 262
+fy_px = 262
+cx_px = 160
+cy_px = 120
+baseline_m = 0.375
+[T_body_camera]
+matrix = [0, 0, 1, 0, -1, 0, 0, 0, 0, -1, 0, 0, 5, 5, 5, 2]
+)"),
+              HasSubstr("rig.toml:9: T_body_camera.matrix is not a rigid transform"));
   for (const char* path : {"/nowhere/rig.toml", "/"}) {
     EXPECT_THAT(refusal_of_source("folder:" + (root_ / "good").string(), {"--rig", path}),
                 HasSubstr(std::string(path) + ": is not a file that can be read"));
@@ -215,19 +310,21 @@ TEST_F(BadInput, the_record_cannot_be_written) {
                     HasSubstr("name a file in a folder that exists")));
   EXPECT_THAT(refusal_of_source(source, {"--record", root_ / "good"}), HasSubstr("Is a directory"));
   EXPECT_THAT(refusal_of_source(source, {"--record=/dev/full"}),
-              AllOf(HasSubstr("record /dev/full: cannot be written"), HasSubstr("has room")));
+              AllOf(HasSubstr("record /dev/full: cannot be written (No space left on device)"),
+                    HasSubstr("has room"), HasSubstr("pairs before it were processed"),
+                    HasSubstr("\nlatency, ms")));
   EXPECT_THAT(refusal({EGOMOD_LOG, "import", root_ / "good", "/dev/full"}),
               HasSubstr("record /dev/full: cannot be written"));
-  EXPECT_THAT(refusal({EGOMOD_LOG, "export", root_ / "record", root_ / "good.log" / "out"}),
+  EXPECT_THAT(refusal({EGOMOD_LOG, "export", good_record(), good_log() / "out"}),
               HasSubstr("is no folder and cannot be made one"));
 }
 
 TEST_F(BadInput, the_record_is_the_log_that_is_read) {
   const fs::path log = root_ / "precious.log";
-  fs::copy_file(root_ / "good.log", log);
+  fs::copy_file(good_log(), log);
   EXPECT_THAT(refusal_of_source("log:" + log.string(), {"--record", log}),
               HasSubstr("is the log that is read, and would be overwritten"));
-  EXPECT_EQ(read(log), read(root_ / "good.log"));
+  EXPECT_EQ(read(log), read(good_log()));
 }
 
 TEST_F(BadInput, the_configuration_names_what_is_not_there) {
@@ -237,8 +334,7 @@ TEST_F(BadInput, the_configuration_names_what_is_not_there) {
               HasSubstr("good: is not a file that can be read"));
   EXPECT_THAT(refusal({EGOMODD, source, "--config", file("bad.toml", "[capture]\nrate = 3\n")}),
               HasSubstr("bad.toml:2:1: capture.rate: unknown key"));
-  EXPECT_THAT(refusal_of_source("webcam"),
-              HasSubstr("this build has folder:DIR, log:FILE, lcm and"));
+  EXPECT_THAT(refusal_of_source("webcam"), HasSubstr("this build has folder:DIR, log:FILE"));
 }
 
 }  // namespace

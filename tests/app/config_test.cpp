@@ -166,6 +166,47 @@ TEST(ConfigCheck, refuses_what_no_single_key_shows) {
   EXPECT_THROW(check(config), ConfigError);
 }
 
+class ConfigCheckOfFile : public ConfigFile {
+ protected:
+  // Without the file's name.
+  std::string refusal_of(const std::string& text) const {
+    Config config;
+    ConfigOrigins origins;
+    apply_file(config, write(text), &origins);
+    try {
+      check(config, origins);
+    } catch (const ConfigError& error) {
+      const std::string what = error.what();
+      return what.starts_with(file_ + ":") ? what.substr(file_.size() + 1) : what;
+    }
+    return "no error";
+  }
+};
+
+TEST_F(ConfigCheckOfFile, names_the_place_of_what_only_several_keys_show) {
+  EXPECT_THAT(refusal_of("[pipeline]\n\ncpus = \"a\"\n"),
+              StartsWith("3:1: pipeline.cpus: want one CPU number or 5"));
+  EXPECT_EQ(refusal_of("[moving_objects]\nmax_lag_s = 0.5\nlag_s = 5\n"),
+            "3:1: moving_objects.lag_s: want min_lag_s <= lag_s <= max_lag_s, not 0.2 <= 5 <= 0.5");
+  EXPECT_THAT(refusal_of("[moving_objects]\nmin_lag_s = 9\n"),
+              StartsWith("2:1: moving_objects.min_lag_s: want"));
+  EXPECT_THAT(refusal_of("[capture]\nright_channel = \"R\"\n"),
+              StartsWith("2:1: capture.right_channel: want both"));
+  EXPECT_THAT(refusal_of("[capture]\nleft_channel = \"A\"\nright_channel = \"A\"\n"),
+              StartsWith("2:1: capture.left_channel: left_channel and right_channel are both"));
+}
+
+TEST_F(ConfigCheckOfFile, refuses_to_publish_images_where_the_source_reads_them) {
+  const std::string source = "[daemon]\nsource = \"lcm\"\n";
+  const std::string images = "[publish]\nimages = \"jpeg\"\n";
+  EXPECT_THAT(refusal_of(source + images), StartsWith("4:1: publish.images: the source lcm reads"));
+  EXPECT_EQ(refusal_of(source), "no error");
+  EXPECT_EQ(refusal_of(images), "no error");
+  EXPECT_EQ(
+      refusal_of(source + images + "[capture]\nleft_channel = \"L\"\nright_channel = \"R\"\n"),
+      "no error");
+}
+
 TEST(OptionTable, has_each_key_once_with_its_default_in_range_and_its_sections_together) {
   std::set<std::string_view> keys;
   std::set<std::string_view> sections;

@@ -12,9 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "kitti_writer.hpp"
 #include "run_program.hpp"
-#include "scenes.hpp"
 
 namespace egomod {
 namespace {
@@ -24,19 +22,15 @@ using ::testing::HasSubstr;
 
 constexpr int kFailure = 1;
 constexpr int kUsage = 2;
+constexpr int kConfig = 78;
 // Tests want no bus: a provider that does not leave the process.
 const std::string kNoBus = "--lcm-url=memq://";
 
 class Daemon : public ::testing::Test {
  protected:
-  // One short sequence for all tests of this program.
   static void SetUpTestSuite() {
     folder_ = fs::path(::testing::TempDir()) / ("egomod_program_test_" + std::to_string(getpid()));
-    fs::create_directories(folder_ / "sequence");
-    test_support::SyntheticWorld world(test_support::following_robot(),
-                                       test_support::kinect_pair(320));
-    test_support::write_kitti_sequence(world, {.rate_hz = 10.0, .pairs = kPairs},
-                                       folder_ / "sequence");
+    fs::create_directories(folder_);
   }
   static void TearDownTestSuite() { fs::remove_all(folder_); }
 
@@ -48,12 +42,13 @@ class Daemon : public ::testing::Test {
     const fs::path output = folder_ / "output";
     return wait_for_program(start(arguments, output), output);
   }
-  static std::string sequence() { return "--source=folder:" + (folder_ / "sequence").string(); }
+  static std::string sequence() { return std::string("--source=folder:") + kSequence; }
   static fs::path copy_of_sequence(const std::string& name) {
-    fs::copy(folder_ / "sequence", folder_ / name, fs::copy_options::recursive);
+    fs::copy(kSequence, folder_ / name, fs::copy_options::recursive);
     return folder_ / name;
   }
 
+  static constexpr const char* kSequence = EGOMOD_TEST_SEQUENCES "/slow_320";
   static constexpr int kPairs = 12;
   static inline fs::path folder_;
 };
@@ -104,9 +99,70 @@ TEST_F(Daemon, refuses_a_missing_folder) {
 }
 
 TEST_F(Daemon, refuses_an_unknown_source) {
-  const Outcome outcome = run({"--source=telepathy", kNoBus});
-  EXPECT_EQ(outcome.exit_code, kFailure);
-  EXPECT_THAT(outcome.output, HasSubstr("telepathy"));
+  for (const char* source : {"telepathy", "folder", "folder:", "lcm:there"}) {
+    const Outcome outcome = run({std::string("--source=") + source, kNoBus});
+    EXPECT_EQ(outcome.exit_code, kConfig);
+    EXPECT_THAT(outcome.output, HasSubstr(std::string("--source: daemon.source: source '") +
+                                          source + "' is unknown or not built in"));
+  }
+}
+
+TEST_F(Daemon, checks_source_and_rig_with_the_configuration) {
+  const std::string bad_rig = (folder_ / "bad_rig.toml").string();
+  std::ofstream(bad_rig) << "[rectified]\nsize_px = [40]\n";
+  for (const char* more : {"--check-config", "--quiet"}) {
+    EXPECT_EQ(run({"--source=telepathy", more}).exit_code, kConfig);
+    EXPECT_EQ(run({sequence(), "--rig=/nowhere.toml", more}).exit_code, kConfig);
+    const Outcome outcome = run({sequence(), "--rig", bad_rig, more});
+    EXPECT_EQ(outcome.exit_code, kConfig);
+    EXPECT_THAT(outcome.output, HasSubstr("--rig: daemon.rig: " + bad_rig + ":2: "));
+  }
+  EXPECT_EQ(run({sequence(), "--check-config"}).exit_code, 0);
+}
+
+TEST_F(Daemon, fails_when_standard_output_takes_nothing) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full";
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{"--dump-config"}, {sequence(), kNoBus}}) {
+    EXPECT_EQ(wait_for_program(start(arguments, "/dev/full"), "/dev/null").exit_code, kFailure);
+  }
+}
+
+TEST_F(Daemon, says_with_one_thread_as_with_five_what_of_the_scheduling_is_not_to_be_had) {
+  for (const char* threads : {"--set=pipeline.single_thread=false", "--single-thread"}) {
+    const Outcome outcome = run({sequence(), kNoBus, threads, "--set=pipeline.cpus=1023"});
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_THAT(outcome.output, HasSubstr("is not bound to CPU 1023")) << threads;
+  }
+}
+
+TEST_F(Daemon, records_of_a_paced_replay_nothing_that_the_clock_decides) {
+  const fs::path record = folder_ / "paced";
+  const std::string path = record.string();
+  ASSERT_EQ(run({sequence(), kNoBus, "--realtime", "--record", path}).exit_code, 0);
+  EXPECT_EQ(read(record).find("EGOMOD_TIMING"), std::string::npos);
+  const std::string calibration = "EGOMOD_CALIBRATION";
+  const std::string bytes = read(record);
+  EXPECT_EQ(bytes.find(calibration), bytes.rfind(calibration)) << "the calibration came again";
+  ASSERT_EQ(run({sequence(), kNoBus, "--realtime", "--record", path, "--record-timing"}).exit_code,
+            0);
+  EXPECT_NE(read(record).find("EGOMOD_TIMING"), std::string::npos);
+}
+
+// liblcm complains on stderr each time that it is asked for a provider that it does not have.
+TEST_F(Daemon, asks_for_an_absent_bus_ever_less_often_and_warns_once) {
+  const fs::path output = folder_ / "no_bus_output";
+  const pid_t pid = start({"--source=lcm", "--lcm-url=nothing://"}, output);
+  std::this_thread::sleep_for(std::chrono::milliseconds(2500));
+  kill(pid, SIGTERM);
+  const std::string said = wait_for_program(pid, output).output;
+  const auto count = [&](const std::string& text) {
+    int times = 0;
+    for (auto at = said.find(text); at != std::string::npos; at = said.find(text, at + 1)) ++times;
+    return times;
+  };
+  EXPECT_LE(count("Error: LCM provider"), 3) << said;
+  EXPECT_EQ(count("cannot be opened"), 1) << said;
 }
 
 TEST_F(Daemon, refuses_a_record_that_cannot_be_written_before_it_starts) {
@@ -136,7 +192,7 @@ TEST_F(Daemon, refuses_a_bad_configuration_with_file_line_and_key) {
   std::ofstream(file) << "[pipeline]\n\nslot = 8\n";
   for (const char* action : {"--check-config", "--dump-config", "--quiet"}) {
     const Outcome outcome = run({"--config", file, action, sequence()});
-    EXPECT_EQ(outcome.exit_code, kUsage);
+    EXPECT_EQ(outcome.exit_code, kConfig);
     EXPECT_THAT(outcome.output, HasSubstr(file + ":3:1: pipeline.slot: unknown key"));
   }
 }
@@ -162,13 +218,13 @@ TEST_F(Daemon, lets_the_command_line_win_over_the_file_and_the_file_over_the_pre
 
 TEST_F(Daemon, refuses_an_unknown_preset_and_lists_those_there_are) {
   const Outcome outcome = run({"--preset=thesys", sequence()});
-  EXPECT_EQ(outcome.exit_code, kUsage);
+  EXPECT_EQ(outcome.exit_code, kConfig);
   EXPECT_THAT(outcome.output, HasSubstr("there are: thesis"));
 }
 
 TEST_F(Daemon, refuses_an_unknown_option_and_a_missing_source) {
   EXPECT_EQ(run({"--fast"}).exit_code, kUsage);
-  EXPECT_EQ(run({}).exit_code, kUsage);
+  EXPECT_EQ(run({}).exit_code, kConfig);
 }
 
 TEST_F(Daemon, says_its_version_and_what_is_built_in) {

@@ -74,7 +74,9 @@ TEST(HealthReporter, reports_each_second_and_at_once_when_a_fault_comes) {
   EXPECT_EQ(message.state, health_t::STATE_RUNNING);
   EXPECT_FALSE(reporter.report(inputs, begin + 250ms, message));
   inputs.pipeline.captured = 10;
-  inputs.pipeline.dropped = 2;
+  inputs.pipeline.dropped = 5;
+  EXPECT_FALSE(reporter.report(inputs, begin + 400ms, message)) << "they were rejected already";
+  inputs.pipeline.dropped_usable = 2;
   ASSERT_TRUE(reporter.report(inputs, begin + 500ms, message));
   EXPECT_EQ(message.state, health_t::STATE_DEGRADED);
   EXPECT_EQ(message.fault_bits, health_t::FAULT_PAIRS_DROPPED);

@@ -84,9 +84,11 @@ std::vector<StereoPair> read_sequence(const std::filesystem::path& folder) {
   return pairs;
 }
 
-std::vector<StereoPair> rendered() {
-  const test_support::SyntheticWorld world(test_support::crossing_robot(),
-                                           test_support::kinect_pair(), {.noise_sigma = 2.0});
+}  // namespace
+
+std::vector<StereoPair> rendered_pairs(int width_px) {
+  const test_support::SyntheticWorld world(
+      test_support::crossing_robot(), test_support::kinect_pair(width_px), {.noise_sigma = 2.0});
   std::vector<StereoPair> pairs(kRenderedPairs);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const double t_s = static_cast<double>(i) / kRenderedRate_hz;
@@ -98,11 +100,9 @@ std::vector<StereoPair> rendered() {
   return pairs;
 }
 
-}  // namespace
-
 std::vector<StereoPair> load_pairs() {
   const auto folder = sequence_folder();
-  auto pairs = folder.empty() ? rendered() : read_sequence(folder);
+  auto pairs = folder.empty() ? rendered_pairs() : read_sequence(folder);
   if (pairs.size() < 2) throw std::runtime_error(folder.string() + ": fewer than two pairs");
   return pairs;
 }

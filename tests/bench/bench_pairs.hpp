@@ -14,4 +14,7 @@ namespace egomod::bench {
 [[nodiscard]] std::vector<StereoPair> load_pairs();
 [[nodiscard]] std::string pairs_name();
 
+// The rendered room, 4:3.
+[[nodiscard]] std::vector<StereoPair> rendered_pairs(int width_px = 640);
+
 }  // namespace egomod::bench

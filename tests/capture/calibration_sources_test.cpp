@@ -81,21 +81,47 @@ TEST_F(CalibrationSourcesTest, RawFolderIsRectified) {
   EXPECT_THAT(error_of_opening(), AllOf(HasSubstr("000000.png"), HasSubstr("41x30")));
 }
 
-TEST_F(CalibrationSourcesTest, EurocFolderIsPairedAndRectified) {
-  for (const int camera : {0, 1}) {
-    const std::string folder = "mav0/cam" + std::to_string(camera);
-    const std::string x = camera == 0 ? "0" : "0.11";
-    write(folder + "/sensor.yaml",
-          "sensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: [1, 0, 0, " + x +
-              ", 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\nresolution: [40, 30]\n"
-              "distortion_model: radial-tangential\nintrinsics: [50, 50, 19.5, 14.5]\n"
-              "distortion_coefficients: [-0.1, 0.01, 0, 0]\n");
-    write(folder + "/data.csv",
-          "#timestamp [ns],filename\n1403636579763555584,a.png\r\n1403636579813555456,b.png\n");
-    for (const char* name : {"a", "b"}) {
-      write_png(folder + "/data/" + name + ".png", 40, 30, [](int, int) { return 77; });
+class EurocTest : public CalibrationSourcesTest {
+ protected:
+  EurocTest() {
+    for (const int camera : {0, 1}) {
+      const std::string folder = "mav0/cam" + std::to_string(camera);
+      write(folder + "/sensor.yaml", sensor(camera));
+      write(folder + "/data.csv",
+            "#timestamp [ns],filename\n1403636579763555584,a.png\r\n1403636579813555456,b.png\n");
+      for (const char* name : {"a", "b"}) {
+        write_png(folder + "/data/" + name + ".png", 40, 30, [](int, int) { return 77; });
+      }
     }
   }
+  static std::string sensor(int camera) {
+    const std::string x = camera == 0 ? "0" : "0.11";
+    return "sensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: [1, 0, 0, " + x +
+           ", 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\nresolution: [40, 30]\n"
+           "distortion_model: radial-tangential\nintrinsics: [50, 50, 19.5, 14.5]\n"
+           "distortion_coefficients: [-0.1, 0.01, 0, 0]\n";
+  }
+  // Of the right camera's file with a part replaced.
+  std::string error_with(const std::string& part, const std::string& replacement) {
+    std::string text = sensor(1);
+    text.replace(text.find(part), part.size(), replacement);
+    write("mav0/cam1/sensor.yaml", text);
+    return error_of_opening();
+  }
+};
+
+TEST_F(EurocTest, RefusesWhatNoCameraCanBeNamingTheLine) {
+  for (const char* size : {"[1e300, 30]", "[40.7, 30]", "[-40, 30]"}) {
+    EXPECT_THAT(error_with("[40, 30]", size),
+                HasSubstr("cam1/sensor.yaml:6: resolution: is not an image size"));
+  }
+  EXPECT_THAT(error_with("[50, 50,", "[50, -50,"),
+              HasSubstr("cam1/sensor.yaml:8: intrinsics: focal lengths must be positive"));
+  EXPECT_THAT(error_with("data: [1, 0,", "data: [2, 0,"),
+              HasSubstr("cam1/sensor.yaml:3: T_BS: is not a rigid transform"));
+}
+
+TEST_F(EurocTest, FolderIsPairedAndRectified) {
   const auto source = open_source(spec(), {}, "", "");
   EXPECT_EQ(source->size(), 2U);
   StereoPair pair;

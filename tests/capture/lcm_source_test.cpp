@@ -8,6 +8,7 @@
 #include <lcm/lcm-cpp.hpp>
 #include <thread>
 
+#include "capture/receive_buffer.hpp"
 #include "message_fixture.hpp"
 
 namespace egomod {
@@ -116,6 +117,30 @@ TEST_F(LcmSourceTest, StopsPromptlyWhileWaiting) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
 }
 
+TEST_F(LcmSourceTest, SaysWhyACalibrationOfTheBusCannotBeTaken) {
+  const auto source = open_lcm_source(bus_, {}, "");
+  calibration_t message = rectified_calibration();
+  message.baseline = 0.0;
+  bus_.publish("EGOMOD_CALIBRATION", &message);
+  while (source->counters().damaged_messages == 0) std::this_thread::yield();
+  EXPECT_THAT(source->notice(), ::testing::HasSubstr("cannot be right: the baseline must be"));
+}
+
+TEST_F(LcmSourceTest, RejectsAPairOfWhichTheRightImageIsMissingSayingWhy) {
+  const auto source = open_lcm_source(bus_, {}, "");
+  publish_calibration();
+  for (int i = 0; i < 12; ++i) {
+    bot_core::images_t message = stereo(grey_image(33000 * i, 1), grey_image(33000 * i, 1));
+    message.n_images = 1;
+    message.image_types.resize(1);
+    message.images.resize(1);
+    bus_.publish("EGOMOD_IMAGES", &message);
+  }
+  ASSERT_EQ(source->next(pair_, {}), SourceState::kPair);
+  EXPECT_EQ(pair_.status, PairStatus::kRejected);
+  EXPECT_EQ(pair_.fault, PairFault::kNoPartner);
+}
+
 TEST(ReceiveBuffer, IsAskedForUnlessTheUrlDoes) {
   EXPECT_EQ(with_receive_buffer("udpm://239.255.76.67:7667?ttl=0"),
             "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=8388608");
@@ -123,6 +148,43 @@ TEST(ReceiveBuffer, IsAskedForUnlessTheUrlDoes) {
             "udpm://239.255.76.67:7667?recv_buf_size=8388608");
   EXPECT_EQ(with_receive_buffer("udpm://?recv_buf_size=1"), "udpm://?recv_buf_size=1");
   EXPECT_EQ(with_receive_buffer("memq://"), "memq://");
+}
+
+TEST(ReceiveBuffer, IsGrantedUpToWhatTheKernelAllows) {
+  const std::string url = with_receive_buffer("udpm://239.255.76.67:7667?ttl=0");
+  EXPECT_EQ(granted_bytes(url, 212992), 212992);
+  EXPECT_EQ(granted_bytes(url, 64L << 20), 8L << 20);
+  EXPECT_EQ(granted_bytes("udpm://?recv_buf_size=1000&ttl=0", 212992), 1000);
+  EXPECT_EQ(granted_bytes("memq://", 212992), 0) << "not known";
+}
+
+TEST(ReceiveBufferWatch, SaysNothingOfABufferThatHoldsTheImages) {
+  ReceiveBufferWatch watch(4L << 20);
+  EXPECT_EQ(watch.warning({.largest_message_bytes = 1U << 20, .awaited_bytes = 1U << 20}), "");
+}
+
+TEST(ReceiveBufferWatch, WarnsOnceOfABufferTooSmallForTheImagesAndThenOfEachLoss) {
+  ReceiveBufferWatch watch(212992);
+  EXPECT_EQ(watch.warning({}), "");
+  EXPECT_THAT(watch.warning({.largest_message_bytes = 614528}),
+              ::testing::AllOf(::testing::HasSubstr("614528 bytes"),
+                               ::testing::HasSubstr("sysctl -w net.core.rmem_max=8388608")));
+  EXPECT_EQ(watch.warning({.largest_message_bytes = 614528}), "");
+  EXPECT_THAT(watch.warning({.largest_message_bytes = 614528, .lost_images = 3}),
+              ::testing::HasSubstr("3 images got lost so far"));
+  EXPECT_EQ(watch.warning({.largest_message_bytes = 614528, .lost_images = 3}), "");
+}
+
+TEST(ReceiveBufferWatch, WarnsWhenNoImagesArriveThatMayBeTooLarge) {
+  ReceiveBufferWatch watch(212992);
+  EXPECT_THAT(watch.warning({.awaited_bytes = 614400}), ::testing::HasSubstr("no images arrive"));
+  ReceiveBufferWatch other(212992);
+  EXPECT_EQ(other.warning({.awaited_bytes = 100000}), "");
+}
+
+TEST(ReceiveBufferWatch, WarnsOfLossesAlsoWhenImagesFit) {
+  ReceiveBufferWatch watch(4L << 20);
+  EXPECT_NE(watch.warning({.largest_message_bytes = 1U << 20, .lost_images = 1}), "");
 }
 
 }  // namespace

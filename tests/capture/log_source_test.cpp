@@ -112,6 +112,92 @@ TEST_F(LogSourceTest, RejectsDamagedImagesAndGoesOn) {
   }
 }
 
+TEST_F(LogSourceTest, KeepsThePlaceOfAPairWhoseMessageIsDamaged) {
+  add("EGOMOD_CALIBRATION", rectified_calibration());
+  add("EGOMOD_IMAGES", stereo(grey_image(0, 1), grey_image(0, 1)));
+  bot_core::images_t empty;
+  empty.utime = 33000;
+  empty.n_images = 0;
+  add("EGOMOD_IMAGES", empty);
+  auto negative = stereo(grey_image(66000, 1), grey_image(66000, 1));
+  negative.images[0].width = -1;
+  add("EGOMOD_IMAGES", negative);
+  add("EGOMOD_IMAGES", stereo(grey_image(99000, 1), grey_image(99000, 1)));
+  const auto source = open();
+  ASSERT_EQ(source->size(), 4U);
+  for (int i = 0; i < 4; ++i) {
+    ASSERT_EQ(source->next(pair_, {}), SourceState::kPair);
+    EXPECT_EQ(pair_.utime_us(), 33000 * i);
+    EXPECT_EQ(pair_.fault, i == 1 || i == 2 ? PairFault::kDamaged : PairFault::kNone) << i;
+  }
+  EXPECT_EQ(source->counters().damaged_messages, 0U);
+}
+
+TEST_F(LogSourceTest, KeepsThePlaceOfAPairOfWhichOneChannelIsDamaged) {
+  add("EGOMOD_CALIBRATION", rectified_calibration());
+  for (int i = 0; i < 5; ++i) {
+    bot_core::image_t left = grey_image(33000 * i, 1);
+    bot_core::image_t right = grey_image(33000 * i, 1);
+    if (i == 1) left.height = -1;
+    if (i == 3) right.height = -1;
+    add("LEFT", left);
+    add("RIGHT", right);
+  }
+  CaptureConfig config;
+  config.left_channel = "LEFT";
+  config.right_channel = "RIGHT";
+  const auto source = open(config);
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_EQ(source->next(pair_, {}), SourceState::kPair);
+    EXPECT_EQ(pair_.fault, i % 2 == 1 ? PairFault::kDamaged : PairFault::kNone) << i;
+  }
+}
+
+TEST_F(LogSourceTest, CountsDamagedMessagesWhoseTimeIsDamagedToo) {
+  add("EGOMOD_CALIBRATION", rectified_calibration());
+  add("EGOMOD_IMAGES", stereo(grey_image(0, 1), grey_image(0, 1)));
+  for (const std::int64_t utime_us : {std::int64_t{-1} << 62, std::int64_t{1} << 50}) {
+    bot_core::images_t lost;
+    lost.utime = utime_us;
+    lost.n_images = 0;
+    add("EGOMOD_IMAGES", lost);
+  }
+  add("EGOMOD_IMAGES", stereo(grey_image(33000, 1), grey_image(33000, 1)));
+  const auto source = open();
+  EXPECT_EQ(source->size(), 2U);
+  EXPECT_EQ(source->counters().damaged_messages, 2U);
+  ASSERT_EQ(source->next(pair_, {}), SourceState::kPair);
+  ASSERT_EQ(source->next(pair_, {}), SourceState::kPair);
+  EXPECT_FALSE(pair_.discontinuity);
+}
+
+TEST_F(LogSourceTest, SaysWhyAPairIsRejected) {
+  add("EGOMOD_CALIBRATION", rectified_calibration());
+  add("LEFT", grey_image(0, 1));
+  CaptureConfig config;
+  config.left_channel = "LEFT";
+  config.right_channel = "RIGHT";
+  ASSERT_EQ(open(config)->next(pair_, {}), SourceState::kPair);
+  EXPECT_EQ(pair_.fault, PairFault::kNoPartner);
+  add("EGOMOD_CALIBRATION", rectified_calibration());
+  add("LEFT", grey_image(0, 1));
+  add("RIGHT", grey_image(5'000'000, 1));
+  ASSERT_EQ(open(config)->next(pair_, {}), SourceState::kPair);
+  EXPECT_EQ(pair_.fault, PairFault::kSkew);
+  EXPECT_EQ(pair_.skew(), std::chrono::seconds(5));
+}
+
+TEST_F(LogSourceTest, RefusesCalibrationsThatContradictEachOther) {
+  add("EGOMOD_CALIBRATION", rectified_calibration());
+  auto other = rectified_calibration();
+  other.width = other.height = 64;
+  add("EGOMOD_CALIBRATION", other);
+  add("EGOMOD_IMAGES", stereo(grey_image(0, 1), grey_image(0, 1)));
+  EXPECT_THAT(error_of_opening_log(),
+              AllOf(HasSubstr("test.lcmlog: its EGOMOD_CALIBRATION messages contradict"),
+                    HasSubstr("--rig")));
+}
+
 TEST_F(LogSourceTest, GivesTheWholePairsOfATruncatedLogThenFails) {
   add("EGOMOD_CALIBRATION", rectified_calibration());
   for (int i = 0; i < 3; ++i) {

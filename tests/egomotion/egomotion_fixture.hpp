@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <ostream>
 #include <string>
 
 #include "egomod/egomotion/egomotion_estimator.hpp"
@@ -43,10 +44,17 @@ inline auto all_variants() {
                          Variant{EgomotionMethod::kSigmaPointKalmanFilter, true});
 }
 
-inline std::string variant_name(const testing::TestParamInfo<Variant>& variant) {
-  return std::string(variant.param.method == EgomotionMethod::kGaussNewton ? "GaussNewton"
-                                                                           : "SigmaPoint") +
-         (variant.param.map ? "Map" : "FrameToFrame");
+inline std::string name_of(const Variant& variant) {
+  const bool is_gauss_newton = variant.method == EgomotionMethod::kGaussNewton;
+  return std::string(is_gauss_newton ? "GaussNewton" : "SigmaPoint") +
+         (variant.map ? "Map" : "FrameToFrame");
 }
+
+inline std::string variant_name(const testing::TestParamInfo<Variant>& variant) {
+  return name_of(variant.param);
+}
+
+// Else GoogleTest prints bytes.
+inline void PrintTo(const Variant& variant, std::ostream* out) { *out << name_of(variant); }
 
 }  // namespace egomod

@@ -5,6 +5,7 @@
 
 #include <opencv2/core.hpp>
 #include <opencv2/features2d.hpp>
+#include <ostream>
 #include <random>
 #include <set>
 #include <utility>
@@ -33,6 +34,9 @@ struct InstructionSet {
   const char* name;
   ImageKernels kernels;
 };
+
+// Else GoogleTest prints bytes, pointers among them, which change from run to run.
+void PrintTo(const InstructionSet& set, std::ostream* out) { *out << set.name; }
 
 std::vector<InstructionSet> instruction_sets() {
   std::vector<InstructionSet> sets{{"baseline", baseline::image_kernels()}};

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <ostream>
 #include <set>
 
 #include "egomod/moving_objects/moving_object_detector.hpp"
@@ -64,6 +65,11 @@ struct Delay {
   Eigen::Vector3d velocity_mps;
   double limit_s;
 };
+
+// Else GoogleTest prints bytes.
+void PrintTo(const Delay& delay, std::ostream* out) {
+  *out << delay.velocity_mps.transpose() << " m/s at " << delay.depth_m << " m";
+}
 
 class FilterDelay : public Filter, public ::testing::WithParamInterface<Delay> {};
 

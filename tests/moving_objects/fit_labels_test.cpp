@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <egomod/calibration_t.hpp>
 #include <egomod/track_list_t.hpp>
 #include <filesystem>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "labels.hpp"
+#include "plot.hpp"
 #include "record_labels.hpp"
 
 namespace egomod::fit {
@@ -113,9 +115,36 @@ TEST_F(FitLabels, RecordIsLabelledByTheTruthsRectanglesAndDepths) {
     append(log, "EGOMOD_CALIBRATION", calibration);
     append(log, "EGOMOD_TRACKS", list);
   }
-  const Labels labels = label_record(folder / "log", folder);
+  const auto [labels, damage] = label_record(folder / "log", folder);
   EXPECT_THAT(labels.moving_mps, ElementsAre(DoubleNear(0.5, 1e-6)));
   EXPECT_THAT(labels.static_mps, ElementsAre(DoubleNear(0.125, 1e-6)));
+  EXPECT_EQ(damage, "");
+}
+
+TEST_F(FitLabels, TheWholePartOfATruncatedRecordIsUsedAndTheDamageTold) {
+  file("objects.csv", "frame,cz,bz,u_min,v_min,u_max,v_max,moving\n");
+  track_list_t list{};
+  list.tracks = {track(50, 50, 20.0F, 0.125F)};
+  list.n_tracks = 1;
+  {
+    lcm::LogFile log(folder / "log", "w");
+    append(log, "EGOMOD_CALIBRATION", calibration_t{});
+    append(log, "EGOMOD_TRACKS", list);
+    append(log, "EGOMOD_TRACKS", list);
+  }
+  std::filesystem::resize_file(folder / "log", std::filesystem::file_size(folder / "log") - 3);
+  const auto [labels, damage] = label_record(folder / "log", folder);
+  EXPECT_EQ(labels.static_mps.size(), 1U);
+  EXPECT_THAT(damage, HasSubstr("the log is cut off"));
+}
+
+TEST_F(FitLabels, FigureIsDrawnIntoAFolderWhateverItsName) {
+  if (std::system("command -v gnuplot >/dev/null") != 0) GTEST_SKIP() << "there is no gnuplot";
+  std::filesystem::create_directories(folder / "it's \"here\"");
+  const Labels labels{.static_mps = {0.1, 0.2, 0.3}, .moving_mps = {0.5, 1.0, 1.5}};
+  const RayleighFit fit = fit_classifier(labels.static_mps, labels.moving_mps, 0.5);
+  const std::string picture = draw_figure(folder / "it's \"here\"", "svg", labels, fit);
+  EXPECT_GT(std::filesystem::file_size(picture), 1000U);
 }
 
 TEST_F(FitLabels, RecordWithoutTracksSaysSo) {
@@ -125,7 +154,7 @@ TEST_F(FitLabels, RecordWithoutTracksSaysSo) {
     append(log, "EGOMOD_CALIBRATION", calibration_t{});
   }
   EXPECT_THROW((void)label_record(folder / "log", folder), InputError);
-  EXPECT_THROW((void)label_record(folder / "none", folder), InputError);
+  EXPECT_THROW((void)label_record(folder / "none", folder), std::runtime_error);
 }
 
 }  // namespace

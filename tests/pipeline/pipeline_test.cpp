@@ -58,10 +58,11 @@ TEST(Pipeline, one_thread_and_five_give_the_same_sequence) {
   FakeStages five;
   FakeSource source_one({.pairs = 500});
   FakeSource source_five({.pairs = 500});
-  Pipeline pipeline_one({}, source_one, one.stages());
+  Pipeline pipeline_one({.single_thread = true}, source_one, one.stages());
   Pipeline pipeline_five({}, source_five, five.stages());
-  EXPECT_EQ(pipeline_one.run_single_thread(), PipelineEnd::kSourceEnded);
+  pipeline_one.start();
   pipeline_five.start();
+  EXPECT_EQ(pipeline_one.join(), PipelineEnd::kSourceEnded);
   EXPECT_EQ(pipeline_five.join(), PipelineEnd::kSourceEnded);
   EXPECT_EQ(one.published.size(), 500U);
   EXPECT_EQ(one.published, five.published);
@@ -136,6 +137,7 @@ TEST_F(BusyFeatures, takes_the_newest_pair_next_and_each_overtaken_one_is_counte
   run(6, [](StereoPair& pair) { pair.discontinuity = pair.sequence == 3; });
   EXPECT_EQ(published_, (std::vector<std::uint64_t>{0, 5}));
   EXPECT_EQ(statistics_.dropped, 4U);
+  EXPECT_EQ(statistics_.dropped_usable, 4U);
   EXPECT_TRUE(broken_) << "the break of the stream got lost with an overtaken pair";
 }
 
@@ -146,6 +148,7 @@ TEST_F(BusyFeatures, takes_no_skipped_pair_in_place_of_one_to_work_on) {
   });
   EXPECT_EQ(published_, (std::vector<std::uint64_t>{0, 2}));
   EXPECT_EQ(statistics_.dropped, 3U);
+  EXPECT_EQ(statistics_.dropped_usable, 0U);
   EXPECT_EQ(statistics_.skipped, 3U);
 }
 
@@ -237,12 +240,9 @@ TEST(Pipeline, an_exception_in_any_stage_ends_the_run_and_is_reported) {
       std::array work{&stages.features, &stages.egomotion, &stages.moving_objects, &stages.publish};
       *work[static_cast<std::size_t>(failing)] = fail;
       FakeSource source({.pairs = 1'000'000});
-      Pipeline pipeline({}, source, stages);
-      if (!single_thread) {
-        pipeline.start();
-      }
-      EXPECT_EQ(single_thread ? pipeline.run_single_thread() : pipeline.join(),
-                PipelineEnd::kFailed);
+      Pipeline pipeline({.single_thread = single_thread}, source, stages);
+      pipeline.start();
+      EXPECT_EQ(pipeline.join(), PipelineEnd::kFailed);
       const Stage stage = static_cast<Stage>(failing + 1);
       EXPECT_EQ(pipeline.error(), std::string(name(stage)) + ": lens cap");
       EXPECT_EQ(published, numbers(20)) << "what came before the failure is published";
@@ -254,11 +254,9 @@ TEST(Pipeline, a_source_that_fails_midway_is_reported_after_all_pairs_before_it)
   for (const bool single_thread : {false, true}) {
     std::vector<std::uint64_t> published;
     FakeSource source({.pairs = 100, .after = SourceState::kFailed});
-    Pipeline pipeline({}, source, counting(published));
-    if (!single_thread) {
-      pipeline.start();
-    }
-    EXPECT_EQ(single_thread ? pipeline.run_single_thread() : pipeline.join(), PipelineEnd::kFailed);
+    Pipeline pipeline({.single_thread = single_thread}, source, counting(published));
+    pipeline.start();
+    EXPECT_EQ(pipeline.join(), PipelineEnd::kFailed);
     EXPECT_EQ(pipeline.error(), "pair 100: cannot be read");
     EXPECT_EQ(published, numbers(100));
   }
@@ -276,7 +274,8 @@ TEST(Pipeline, a_single_thread_stops_between_two_pairs) {
   };
   Pipeline pipeline({.single_thread = true}, source, stages);
   running = &pipeline;
-  EXPECT_EQ(pipeline.run_single_thread(), PipelineEnd::kStopped);
+  pipeline.start();
+  EXPECT_EQ(pipeline.join(), PipelineEnd::kStopped);
   EXPECT_EQ(published, numbers(11));
 }
 
@@ -303,10 +302,11 @@ TEST(Pipeline, realtime_leaves_the_pace_to_a_source_that_waits_for_its_pairs) {
     arrival = frame.pair.arrival;
     EXPECT_EQ(frame.times[0].start, arrival) << "waiting is no work";
   };
-  Pipeline pipeline({.realtime = true}, source, stages);
+  Pipeline pipeline({.single_thread = true, .realtime = true}, source, stages);
   EXPECT_TRUE(pipeline.is_live());
   const Nanoseconds begin = monotonic_now();
-  EXPECT_EQ(pipeline.run_single_thread(), PipelineEnd::kSourceEnded);
+  pipeline.start();
+  EXPECT_EQ(pipeline.join(), PipelineEnd::kSourceEnded);
   EXPECT_EQ(published, numbers(2));
   EXPECT_GT(arrival, begin);
 }
@@ -325,13 +325,19 @@ TEST(Pipeline, counts_rejected_pairs_and_the_largest_skew) {
   std::vector<std::uint64_t> published;
   FakeSource source({.pairs = 10, .change = [](StereoPair& pair) {
                        pair.status = pair.sequence == 4 ? PairStatus::kRejected : PairStatus::kOk;
+                       pair.fault = pair.sequence == 4 ? PairFault::kSkew : PairFault::kNone;
                        pair.right_exposure =
-                           pair.exposure - (pair.sequence == 7 ? milliseconds(9) : milliseconds(1));
+                           pair.exposure - (pair.sequence == 4   ? milliseconds(70)
+                                            : pair.sequence == 7 ? milliseconds(9)
+                                                                 : milliseconds(1));
                      }});
-  Pipeline pipeline({}, source, counting(published));
-  EXPECT_EQ(pipeline.run_single_thread(), PipelineEnd::kSourceEnded);
+  Pipeline pipeline({.single_thread = true}, source, counting(published));
+  pipeline.start();
+  EXPECT_EQ(pipeline.join(), PipelineEnd::kSourceEnded);
   const PipelineStatistics statistics = pipeline.statistics();
   EXPECT_EQ(statistics.rejected, 1U);
+  EXPECT_EQ(statistics.rejected_by[static_cast<std::size_t>(PairFault::kSkew)], 1U);
+  EXPECT_EQ(statistics.least_rejected_skew, milliseconds(70));
   EXPECT_EQ(statistics.last_skew, milliseconds(-1));
   EXPECT_EQ(statistics.max_skew, milliseconds(9));
   EXPECT_EQ(statistics.total.count, 9U);

@@ -86,6 +86,26 @@ TEST(Export, RepeatsThePoseWhereAPairWasSkippedFailedOrIsMissing) {
   EXPECT_THAT(test::contents_of(folder.file("out/times.txt")), HasSubstr("\n0.400000\n0.500000\n"));
 }
 
+TEST(Export, GivesThePairsBeforeALateRecordTimesThatAscend) {
+  const test::TemporaryFolder folder;
+  record(folder.file("log"), in_order(test::some_frame(3), test::some_frame(5)));
+  export_log(folder.file("log"), folder.file("out"));
+  EXPECT_EQ(test::contents_of(folder.file("out/times.txt")),
+            "0.000000\n0.100000\n0.200000\n0.300000\n0.400000\n0.500000\n");
+}
+
+TEST(Export, LeavesAnEarlierResultWhereItFails) {
+  const test::TemporaryFolder folder;
+  record(folder.file("log"), in_order(test::some_frame(0), test::some_frame(1)));
+  export_log(folder.file("log"), folder.file("out"));
+  const std::string before = test::contents_of(folder.file("out/poses.txt"));
+  record(folder.file("log"), in_order(test::some_frame(7), test::some_frame(2)));
+  EXPECT_THAT(error_of([&] { export_log(folder.file("log"), folder.file("out")); }),
+              HasSubstr("export one run at a time"));
+  EXPECT_EQ(test::contents_of(folder.file("out/poses.txt")), before);
+  EXPECT_FALSE(std::filesystem::exists(folder.file("out/poses.txt.part")));
+}
+
 TEST(Export, WritesMovingObjectsInTheLeftCameraFrame) {
   const test::TemporaryFolder folder;
   Frame frame = test::some_frame(1);
@@ -148,6 +168,21 @@ TEST(Draw, MakesAPictureOfEachLeftImage) {
          ImageEncoding::kJpeg);
   draw_log(folder.file("log"), folder.file("out"), "");
   EXPECT_GT(std::filesystem::file_size(folder.file("out/000001.png")), 0U);
+}
+
+TEST(Draw, NumbersPicturesAsThePairsAre) {
+  const test::TemporaryFolder folder;
+  Frame skipped = test::some_frame(1);
+  skipped.pair.status = PairStatus::kSkipped;
+  skipped.pair.left.resize(0, 0);
+  skipped.pair.right.resize(0, 0);
+  record(folder.file("log"), in_order(test::some_frame(0), std::move(skipped), test::some_frame(6)),
+         false, ImageEncoding::kRaw);
+  draw_log(folder.file("log"), folder.file("out"), "");
+  for (const auto& [name, is_there] :
+       {std::pair{"out/000000.png", true}, {"out/000001.png", false}, {"out/000006.png", true}}) {
+    EXPECT_EQ(std::filesystem::exists(folder.file(name)), is_there) << name;
+  }
 }
 
 }  // namespace

@@ -4,7 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <egomod/calibration_t.hpp>
 #include <limits>
+#include <thread>
 
 #include "egomod/publish/record_writer.hpp"
 #include "example_frame.hpp"
@@ -78,6 +81,64 @@ TEST(Publisher, RepeatsTheCalibrationWhenItChanges) {
   EXPECT_EQ(std::count(channels.begin(), channels.end(), "EGOMOD_CALIBRATION"), 2);
 }
 
+TEST(Publisher, RepeatsTheCalibrationEachSecondToTheBusWhetherOrNotPairsCome) {
+  const test::TemporaryFolder folder;
+  {
+    Publisher publisher({}, {.lcm_url = "file://" + folder.file("bus") + "?mode=w",
+                             .record = folder.file("record"),
+                             .live = true});
+    publisher.repeat_calibration();
+    publisher.publish(test::some_frame(0));
+    publisher.repeat_calibration();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1050));
+    for (int i = 0; i < 3; ++i) publisher.repeat_calibration();
+    publisher.close();
+  }
+  std::vector<std::string> calibrations;
+  for (const test::Event& event : test::events_of(folder.file("bus"))) {
+    if (event.channel == "EGOMOD_CALIBRATION") calibrations.push_back(event.bytes);
+  }
+  ASSERT_EQ(calibrations.size(), 2U);
+  EXPECT_EQ(calibrations[0], calibrations[1]);
+  const auto recorded = channels_of(test::events_of(folder.file("record")));
+  EXPECT_EQ(std::count(recorded.begin(), recorded.end(), "EGOMOD_CALIBRATION"), 1);
+}
+
+TEST(Publisher, KeepsTimingOutOfTheRecordUnlessAskedAlsoWhenItGoesToTheBus) {
+  const test::TemporaryFolder folder;
+  for (const bool is_recorded : {false, true}) {
+    Publisher publisher({}, {.lcm_url = "file://" + folder.file("bus") + "?mode=w",
+                             .record = folder.file("record"),
+                             .record_timing = is_recorded,
+                             .live = true});
+    publisher.publish(test::some_frame(0));
+    publisher.close();
+    const auto recorded = channels_of(test::events_of(folder.file("record")));
+    EXPECT_EQ(std::count(recorded.begin(), recorded.end(), "EGOMOD_TIMING"), is_recorded ? 1 : 0);
+  }
+  const auto sent = channels_of(test::events_of(folder.file("bus")));
+  EXPECT_EQ(std::count(sent.begin(), sent.end(), "EGOMOD_TIMING"), 1);
+}
+
+// The driver of raw cameras says that they are raw. What says the contrary beside it must publish
+// rectified ones itself.
+TEST(Publisher, CallsImagesRawWhenTheSourcesAreAndItPublishesNone) {
+  for (const ImageEncoding images : {ImageEncoding::kNone, ImageEncoding::kRaw}) {
+    for (const bool source_is_raw : {false, true}) {
+      const test::TemporaryFolder folder;
+      Publisher publisher({.images = images}, {.lcm_url = kNoBus, .record = folder.file("a")});
+      Frame frame = test::some_frame(0);
+      frame.pair.calibration.images_are_raw = source_is_raw;
+      publisher.publish(frame);
+      publisher.close();
+      const std::string bytes = test::events_of(folder.file("a")).front().bytes;
+      calibration_t message{};
+      ASSERT_GT(message.decode(bytes.data(), 0, static_cast<int>(bytes.size())), 0);
+      EXPECT_EQ(message.images_are_raw != 0, source_is_raw && images == ImageEncoding::kNone);
+    }
+  }
+}
+
 TEST(Publisher, GivesBusAndRecordTheSameBytes) {
   const test::TemporaryFolder folder;
   record(folder.file("record"), {.images = ImageEncoding::kJpeg, .tracks = true},
@@ -141,6 +202,12 @@ TEST(Publisher, SaysThatTheDiskIsFull) {
         replay.close();
       },
       RecordError);
+  try {
+    replay.close();
+    FAIL() << "the record is not whole";
+  } catch (const RecordError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("No space left")) << "the first reason, also later";
+  }
 }
 
 TEST(Publisher, LiveGoesOnWhenTheDiskIsFull) {

@@ -12,6 +12,7 @@
 #include "figure_tables.hpp"
 #include "html.hpp"
 #include "json.hpp"
+#include "result_file.hpp"
 #include "tables.hpp"
 
 namespace egomod::eval {
@@ -93,9 +94,11 @@ std::vector<Run> runs_of(const Options& o) {
 }
 
 void write(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream file(path);
+  log::ResultFile result(path);
+  std::ofstream file(result.path());
   file << text;
   if (!file.flush()) throw InputError(path.string() + ": cannot be written");
+  result.keep();
 }
 
 // One run in a list, several in a table.

@@ -7,6 +7,8 @@
 #include <fstream>
 #include <string_view>
 
+#include "result_file.hpp"
+
 namespace egomod::fit {
 namespace {
 
@@ -95,11 +97,13 @@ Labels read_labels(const std::string& path) {
 }
 
 void write_labels(const std::string& path, const Labels& labels) {
-  std::ofstream file(path);
+  log::ResultFile result(path);
+  std::ofstream file(result.path());
   file << "speed_mps,moving\n";
   for (const double speed_mps : labels.static_mps) file << speed_mps << ",0\n";
   for (const double speed_mps : labels.moving_mps) file << speed_mps << ",1\n";
   if (!file.flush()) throw InputError(path + ": cannot be written");
+  result.keep();
 }
 
 }  // namespace egomod::fit

@@ -13,6 +13,7 @@
 #include "labels.hpp"
 #include "plot.hpp"
 #include "record_labels.hpp"
+#include "result_file.hpp"
 
 namespace egomod::fit {
 namespace {
@@ -56,11 +57,11 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("!--no-plot", options.plot, "draw no figure (gnuplot is not needed then)");
 }
 
-Labels load(const Options& options) {
-  if (options.record.empty()) return read_labels(options.labels);
-  Labels labels = label_record(options.record, options.truth);
-  write_labels(options.output + "/labels.csv", labels);
-  return labels;
+RecordLabels load(const Options& options) {
+  if (options.record.empty()) return {.labels = read_labels(options.labels), .damage = {}};
+  RecordLabels result = label_record(options.record, options.truth);
+  write_labels(options.output + "/labels.csv", result.labels);
+  return result;
 }
 
 void drop_mismatches(const char* name, double max_speed_mps, std::vector<double>& speeds_mps) {
@@ -101,18 +102,20 @@ void print(const Labels& labels, const RayleighFit& fit) {
 
 void write_configuration(const std::string& path, const RayleighClassifier& classifier,
                          double threshold_mps) {
-  std::ofstream file(path);
+  log::ResultFile result(path);
+  std::ofstream file(result.path());
   file << "[moving_objects]\nthreshold_mps = " << threshold_mps
        << "\nsigma_static_mps = " << classifier.sigma_static_mps
        << "\nsigma_moving_mps = " << classifier.sigma_moving_mps
        << "\nprior_moving = " << classifier.prior_moving << "\n";
   if (!file.flush()) throw InputError(path + ": cannot be written");
+  result.keep();
   std::printf("wrote %s\n", path.c_str());
 }
 
 void run(const Options& options) {
   std::filesystem::create_directories(options.output);
-  Labels labels = load(options);
+  auto [labels, damage] = load(options);
   if (options.max_speed_mps > 0.0) {
     drop_mismatches("static", options.max_speed_mps, labels.static_mps);
     drop_mismatches("moving", options.max_speed_mps, labels.moving_mps);
@@ -133,6 +136,8 @@ void run(const Options& options) {
         "right, do mismatches dominate (--max-speed-mps), is the rate low enough?");
   }
   write_configuration(options.output + "/moving_objects.toml", fit.classifier, *threshold);
+  if (!damage.empty()) throw InputError(damage + "; what is whole has been used");
+  if (std::fflush(stdout) != 0) throw InputError("standard output: cannot be written");
 }
 
 }  // namespace

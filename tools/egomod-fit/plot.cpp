@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "plot.hpp"
 
-#include <spawn.h>
-#include <sys/wait.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <ostream>
 
-extern char** environ;
+#include "gnuplot.hpp"
 
 namespace egomod::fit {
 namespace {
@@ -95,26 +90,6 @@ void write_script(std::ostream& out, const std::string& picture, const std::stri
       << "unset multiplot\n";
 }
 
-void run_gnuplot(const std::string& directory, const std::string& script) {
-  std::string program = "gnuplot";
-  std::string change = "-e";
-  std::string folder = "cd '" + directory + "'";
-  std::string file = script;
-  std::array<char*, 5> arguments{program.data(), change.data(), folder.data(), file.data(),
-                                 nullptr};
-  pid_t child = 0;
-  const int error =
-      posix_spawnp(&child, program.c_str(), nullptr, nullptr, arguments.data(), environ);
-  if (error == ENOENT) {
-    throw InputError("gnuplot is not installed, no figure drawn: apt-get install gnuplot-nox");
-  }
-  if (error != 0) throw InputError(std::string("gnuplot cannot be started: ") + strerror(error));
-  int status = 0;
-  if (waitpid(child, &status, 0) != child || !WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    throw InputError("gnuplot failed on " + directory + "/" + script);
-  }
-}
-
 }  // namespace
 
 std::string draw_figure(const std::string& directory, const std::string& format,
@@ -125,7 +100,7 @@ std::string draw_figure(const std::string& directory, const std::string& format,
   write_script(file, picture, format, labels, fit);
   file.close();
   if (!file) throw InputError(script + ": cannot be written");
-  run_gnuplot(directory, "rayleigh.gp");
+  gnuplot::run(directory, "rayleigh.gp");
   return directory + "/" + picture;
 }
 

@@ -6,9 +6,10 @@
 #include <cstdint>
 #include <egomod/calibration_t.hpp>
 #include <egomod/track_list_t.hpp>
-#include <lcm/lcm-cpp.hpp>
 #include <map>
 #include <optional>
+
+#include "log_reader.hpp"
 
 namespace egomod::fit {
 namespace {
@@ -78,39 +79,30 @@ void label_tracks(const track_list_t& list, const calibration_t& calibration,
   }
 }
 
-template <class Message>
-Message decoded(const lcm::LogEvent& event, const std::string& log) {
-  Message message;
-  if (message.decode(event.data, 0, event.datalen) < 0) {
-    throw InputError(log + ": event " + std::to_string(event.eventnum) + " on " + event.channel +
-                     " is not of the expected type");
-  }
-  return message;
-}
-
 }  // namespace
 
-Labels label_record(const std::string& log, const std::string& truth_directory) {
+RecordLabels label_record(const std::string& log, const std::string& truth_directory) {
   const Truth truth = read_truth(truth_directory + "/objects.csv");
-  lcm::LogFile file(log, "r");
-  if (!file.good()) throw InputError(log + ": cannot be opened as an LCM log");
-  Labels labels;
+  log::LogReader reader(log);
+  RecordLabels result;
   std::optional<calibration_t> calibration;
+  track_list_t list;
   bool has_tracks = false;
-  while (const lcm::LogEvent* event = file.readNextEvent()) {
-    if (event->channel == "EGOMOD_CALIBRATION") calibration = decoded<calibration_t>(*event, log);
+  while (const lcm::LogEvent* event = reader.next()) {
+    if (event->channel == "EGOMOD_CALIBRATION") reader.decode(*event, calibration.emplace());
     if (event->channel != "EGOMOD_TRACKS" || !calibration) continue;
-    const auto list = decoded<track_list_t>(*event, log);
+    reader.decode(*event, list);
     has_tracks = true;
     const auto at = truth.find(list.sequence);
     label_tracks(list, *calibration, at == truth.end() ? std::vector<TruthObject>{} : at->second,
-                 labels);
+                 result.labels);
   }
+  result.damage = reader.damage();
   if (!calibration) throw InputError(log + ": has no EGOMOD_CALIBRATION; is it a record?");
   if (!has_tracks) {
     throw InputError(log + ": has no EGOMOD_TRACKS; record with publish.tracks = true");
   }
-  return labels;
+  return result;
 }
 
 }  // namespace egomod::fit

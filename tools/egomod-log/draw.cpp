@@ -3,6 +3,7 @@
 
 #include <bot_core/images_t.hpp>
 #include <egomod/calibration_t.hpp>
+#include <egomod/pose_t.hpp>
 #include <filesystem>
 #include <map>
 #include <stop_token>
@@ -26,6 +27,7 @@ struct Estimates {
   std::map<std::int64_t, Calibration> calibrations;
   std::map<std::int64_t, object_list_t> objects;
   std::map<std::int64_t, track_list_t> tracks;
+  std::map<std::int64_t, std::int64_t> sequences;
 
   [[nodiscard]] const Calibration& calibration_at(std::int64_t utime_us) const {
     const auto later = calibrations.upper_bound(utime_us);
@@ -48,6 +50,10 @@ Estimates read_estimates(LogReader& reader) {
       track_list_t message{};
       reader.decode(*event, message);
       estimates.tracks[message.utime] = std::move(message);
+    } else if (event->channel == "EGOMOD_POSE") {
+      pose_t message{};
+      reader.decode(*event, message);
+      estimates.sequences[message.utime] = message.sequence;
     }
   }
   return estimates;
@@ -60,7 +66,8 @@ class Drawing {
         folder_(std::move(folder)),
         progress_("draw", "pictures", estimates.objects.size()) {}
 
-  void add(const ImageView& image, std::int64_t utime_us, std::uint64_t index) {
+  // A picture has the number of its pair.
+  void add(const ImageView& image, std::int64_t utime_us, std::int64_t sequence) {
     cv::Mat picture = picture_of(image);
     const auto tracks = estimates_.tracks.find(utime_us);
     if (tracks != estimates_.tracks.end()) draw_tracks(tracks->second, picture);
@@ -68,7 +75,7 @@ class Drawing {
     if (objects != estimates_.objects.end()) {
       draw_objects(objects->second, estimates_.calibration_at(utime_us), picture);
     }
-    write_png(folder_ / fmt::format("{:06}.png", index), picture);
+    write_png(folder_ / fmt::format("{:06}.png", sequence), picture);
     progress_.update(++drawn_);
   }
 
@@ -88,7 +95,8 @@ void draw_from_folder(const std::string& images, Drawing& drawing) {
   StereoPair pair;
   SourceState state = SourceState::kPair;
   while ((state = source->next(pair, std::stop_token())) == SourceState::kPair) {
-    if (!pair.left.empty()) drawing.add(pair.left.view(), pair.utime_us(), pair.sequence);
+    if (pair.left.empty()) continue;
+    drawing.add(pair.left.view(), pair.utime_us(), static_cast<std::int64_t>(pair.sequence));
   }
   if (state == SourceState::kFailed) throw SourceError(source->error());
 }
@@ -105,7 +113,7 @@ void draw_from_log(const std::string& log, const Estimates& estimates, Drawing& 
   PictureDecoder decoder;
   bot_core::images_t images{};
   Image image;
-  std::uint64_t index = 0;
+  std::int64_t sequence = -1;
   while (const lcm::LogEvent* event = reader.next()) {
     if (event->channel != "EGOMOD_IMAGES") continue;
     reader.decode(*event, images);
@@ -114,11 +122,12 @@ void draw_from_log(const std::string& log, const Estimates& estimates, Drawing& 
                      ": its images are raw, and estimates hold for rectified ones; give the " +
                      "sequence with --images");
     }
+    const auto pose = estimates.sequences.find(images.utime);
+    sequence = pose != estimates.sequences.end() ? pose->second : sequence + 1;
     if (const bot_core::image_t* left = left_of(images)) {
       decoder.decode(*left, image);
-      drawing.add(image.view(), images.utime, index);
+      drawing.add(image.view(), images.utime, sequence);
     }
-    ++index;
   }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <egomod/object_list_t.hpp>
 #include <egomod/pose_t.hpp>
 #include <egomod/timing_t.hpp>
@@ -37,8 +38,9 @@ Eigen::Isometry3d world_from_body(const pose_t& pose) {
 // Rows of poses.txt and times.txt: one for each left image, whatever became of it.
 class PoseRows {
  public:
-  explicit PoseRows(const fs::path& folder)
-      : poses_(folder / "poses.txt"), times_(folder / "times.txt") {}
+  // `interval_us`: between two pairs before the first that the log speaks of.
+  PoseRows(const fs::path& folder, std::int64_t interval_us)
+      : poses_(folder / "poses.txt"), times_(folder / "times.txt"), interval_us_(interval_us) {}
 
   void add(const pose_t& pose, const Eigen::Isometry3d& T_body_camera, const std::string& log) {
     const std::int64_t missing = pose.sequence - rows_;
@@ -62,8 +64,8 @@ class PoseRows {
   // Pairs of which the log says nothing repeat the pose; their times lie evenly in the gap.
   void fill_gap(const pose_t& next) {
     const std::int64_t first = rows_;
-    const std::int64_t from_us = first == 0 ? next.utime : last_utime_us_;
     const std::int64_t steps = next.sequence - first + 1;
+    const std::int64_t from_us = first == 0 ? next.utime - steps * interval_us_ : last_utime_us_;
     for (std::int64_t i = 1; i < steps; ++i)
       write_row(from_us + (next.utime - from_us) * i / steps);
   }
@@ -79,9 +81,28 @@ class PoseRows {
   TextOutput poses_;
   TextOutput times_;
   Eigen::Isometry3d T_first_current_ = Eigen::Isometry3d::Identity();
+  std::int64_t interval_us_;
   std::int64_t rows_ = 0;
   std::int64_t last_utime_us_ = 0;
 };
+
+// Mean interval of the first two pairs that the log speaks of; that of 30 Hz if there is one only.
+std::int64_t first_interval_us(const std::string& log) {
+  constexpr std::int64_t kDefault_us = 33'333;
+  LogReader reader(log);
+  std::optional<pose_t> first;
+  pose_t pose{};
+  while (const lcm::LogEvent* event = reader.next()) {
+    if (event->channel != "EGOMOD_POSE") continue;
+    reader.decode(*event, pose);
+    if (first && pose.sequence > first->sequence) {
+      return std::max<std::int64_t>(
+          1, (pose.utime - first->utime) / (pose.sequence - first->sequence));
+    }
+    first = pose;
+  }
+  return kDefault_us;
+}
 
 class ObjectRows {
  public:
@@ -139,7 +160,11 @@ class TimingRows {
 class Export {
  public:
   Export(const std::string& log, const fs::path& folder)
-      : log_(log), reader_(log), poses_(folder), objects_(folder), timing_(folder) {}
+      : log_(log),
+        reader_(log),
+        poses_(folder, first_interval_us(log)),
+        objects_(folder),
+        timing_(folder) {}
 
   void run() {
     while (const lcm::LogEvent* event = reader_.next()) add(*event);

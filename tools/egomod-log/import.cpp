@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/format.h>
-
 #include <bot_core/images_t.hpp>
 #include <egomod/calibration_t.hpp>
 #include <filesystem>
 #include <optional>
 
 #include "capture/folder_contents.hpp"
+#include "capture/pair_preparer.hpp"
 #include "capture/pairing.hpp"
 #include "capture/png_image.hpp"
 #include "commands.hpp"
@@ -15,20 +14,12 @@
 #include "egomod/publish/image_encoder.hpp"
 #include "egomod/publish/messages.hpp"
 #include "egomod/publish/record_writer.hpp"
+#include "result_file.hpp"
 
 namespace egomod::log {
 namespace {
 
 namespace fs = std::filesystem;
-
-FolderContents read_folder(const fs::path& folder) {
-  if (!fs::is_directory(folder)) {
-    throw SourceError(folder.string() + ": there is no such folder");
-  }
-  if (fs::exists(folder / "mav0")) return read_euroc_folder(folder / "mav0", false);
-  if (fs::exists(folder / "cam0")) return read_euroc_folder(folder, false);
-  return read_kitti_folder(folder, false);
-}
 
 std::int64_t utime_us(Nanoseconds exposure) {
   return std::chrono::duration_cast<std::chrono::microseconds>(exposure).count();
@@ -50,7 +41,9 @@ class Import {
       : contents_(std::move(contents)),
         encoder_(jpeg_quality ? ImageEncoding::kJpeg : ImageEncoding::kRaw,
                  jpeg_quality.value_or(0)),
-        record_(log) {}
+        preparer_(contents_.calibration),
+        file_(log),
+        record_(file_.path()) {}
 
   void run() {
     const std::vector<Partner> partners = partners_of(contents_);
@@ -60,34 +53,26 @@ class Import {
       images_.image_types.clear();
       images_.images.resize(2);
       images_.utime = utime_us(contents_.left.exposures[i]);
-      add(contents_.left, i, bot_core::images_t::LEFT);
-      if (partners[i].accepted)
-        add(contents_.right, *partners[i].nearest, bot_core::images_t::RIGHT);
+      add(contents_.left, i, bot_core::images_t::LEFT, preparer_.left_size());
+      if (partners[i].accepted) {
+        add(contents_.right, *partners[i].nearest, bot_core::images_t::RIGHT,
+            preparer_.right_size());
+      }
       if (i == 0) write_calibration();
       record_.write({images_channel_, images_.utime, encode_message(images_, buffer_)});
       progress.update(i + 1);
     }
     record_.flush();
+    file_.keep();
     progress.finish(partners.size());
   }
 
  private:
-  void add(const FolderContents::Camera& camera, std::size_t index, std::int16_t type) {
+  void add(const FolderContents::Camera& camera, std::size_t index, std::int16_t type,
+           ImageSize size) {
     const fs::path& file = camera.files[index];
     png_.read(file, image_);
-    const auto [width, height] = std::pair{image_.width_px(), image_.height_px()};
-    StereoCamera& expected = contents_.calibration.camera;
-    if (expected.width_px == 0) {
-      expected.width_px = width;
-      expected.height_px = height;
-    }
-    // Raw cameras may differ from each other and from the rectified size.
-    if (!contents_.calibration.images_are_raw &&
-        (width != expected.width_px || height != expected.height_px)) {
-      throw SourceError(fmt::format("{}: the image is {}x{} pixels, those before it {}x{}",
-                                    file.string(), width, height, expected.width_px,
-                                    expected.height_px));
-    }
+    require_size(file, image_, size);
     const auto slot = static_cast<std::size_t>(images_.n_images++);
     encoder_.encode(image_.view(), utime_us(camera.exposures[index]), images_.images[slot]);
     images_.image_types.push_back(type);
@@ -105,6 +90,8 @@ class Import {
   const std::string images_channel_ = "EGOMOD_IMAGES";
   FolderContents contents_;
   ImageEncoder encoder_;
+  PairPreparer preparer_;  // knows the sizes, and refuses what the daemon would
+  ResultFile file_;
   RecordWriter record_;
   PngReader png_;
   Image image_;
@@ -116,7 +103,7 @@ class Import {
 
 void import_sequence(const std::string& folder, const std::string& log,
                      std::optional<int> jpeg_quality) {
-  Import(read_folder(folder), log, jpeg_quality).run();
+  Import(read_folder(folder, ""), log, jpeg_quality).run();
 }
 
 }  // namespace egomod::log

@@ -109,7 +109,7 @@ void print_info(const std::string& log) {
              total.bytes, static_cast<double>(total.last_us - total.first_us) * 1e-6,
              static_cast<double>(total.first_us) * 1e-6, static_cast<double>(total.last_us) * 1e-6);
   print_contents(contents, names);
-  std::fflush(stdout);
+  if (std::fflush(stdout) != 0) throw LogError("standard output: cannot be written");
   if (!reader.damage().empty()) throw LogError(reader.damage());
   const std::string unknown = unknown_on_ours(contents, names);
   if (unknown.empty()) return;

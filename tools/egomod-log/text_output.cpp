@@ -7,7 +7,7 @@
 namespace egomod::log {
 
 TextOutput::TextOutput(std::filesystem::path path)
-    : path_(std::move(path)), file_(std::fopen(path_.c_str(), "w")) {
+    : path_(std::move(path)), result_(path_), file_(std::fopen(result_.path().c_str(), "w")) {
   if (!file_) fail();
 }
 
@@ -17,6 +17,7 @@ void TextOutput::write(const std::string& text) {
 
 void TextOutput::close() {
   if (std::fclose(file_.release()) != 0) fail();
+  result_.keep();
 }
 
 void TextOutput::fail() const {

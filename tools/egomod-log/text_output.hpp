@@ -6,18 +6,13 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <stdexcept>
 #include <utility>
+
+#include "result_file.hpp"
 
 namespace egomod::log {
 
-// A file that cannot be written: names it and the system's reason.
-class OutputError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-// A text file, overwritten; nothing gets lost without an error.
+// A text file, overwritten at the end; nothing gets lost without an error.
 class TextOutput {
  public:
   // Throws OutputError.
@@ -27,7 +22,7 @@ class TextOutput {
   void print(fmt::format_string<Values...> format, Values&&... values) {
     write(fmt::format(format, std::forward<Values>(values)...));
   }
-  // Throws OutputError.
+  // The file is there now, whole. Throws OutputError.
   void close();
 
  private:
@@ -39,6 +34,7 @@ class TextOutput {
   [[noreturn]] void fail() const;
 
   std::filesystem::path path_;
+  ResultFile result_;
   std::unique_ptr<std::FILE, Close> file_;
 };
 

@@ -12,6 +12,10 @@ int main(int argc, char** argv) {
     return egomod::run_daemon(command.config, command.quiet);
   }
   const bool refused = command.action == egomod::Command::Action::kRefuse;
-  std::fputs(command.text.c_str(), refused ? stderr : stdout);
+  std::FILE* const out = refused ? stderr : stdout;
+  if (std::fputs(command.text.c_str(), out) < 0 || std::fflush(out) != 0) {
+    std::perror("egomodd: standard output");
+    return egomod::kExitFailure;
+  }
   return command.exit_code;
 }

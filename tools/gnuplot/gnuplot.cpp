@@ -14,14 +14,16 @@ namespace egomod::gnuplot {
 
 void run(const std::string& folder, const std::string& script) {
   std::string program = "gnuplot";
-  std::string option = "-e";
-  std::string change = "cd '" + folder + "'";
   std::string file = script;
-  std::array<char*, 5> arguments{program.data(), option.data(), change.data(), file.data(),
-                                 nullptr};
+  std::array<char*, 3> arguments{program.data(), file.data(), nullptr};
+  // Not by gnuplot's own cd, for which the folder's name would have to be quoted.
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
   pid_t child = 0;
   const int error =
-      posix_spawnp(&child, program.c_str(), nullptr, nullptr, arguments.data(), environ);
+      posix_spawnp(&child, program.c_str(), &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
   if (error == ENOENT) {
     throw GnuplotError("gnuplot is not installed, no figure drawn: apt-get install gnuplot-nox");
   }

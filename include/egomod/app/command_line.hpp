@@ -11,7 +11,8 @@ namespace egomod {
 enum ExitCode : int {
   kExitSuccess = 0,  // the end of a replay, or asked to stop
   kExitFailure = 1,  // something failed while running
-  kExitUsage = 2,    // command line or configuration is refused; nothing was started
+  kExitUsage = 2,    // the command line is refused; nothing was started
+  kExitConfig = 78,  // the configuration is (sysexits.h: EX_CONFIG)
 };
 
 struct Command {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -42,6 +44,9 @@ struct Config {
   LoggingConfig logging;
 };
 
+// Where each key that was set was set, as messages name it: "file:line:column", "--set ...".
+using ConfigOrigins = std::map<std::string, std::string, std::less<>>;
+
 // A configuration that is refused: names file, line, column and key, and what would be right.
 class ConfigError : public std::runtime_error {
  public:
@@ -49,11 +54,13 @@ class ConfigError : public std::runtime_error {
 };
 
 // Sets what the TOML file sets. Throws ConfigError.
-void apply_file(Config& config, const std::string& path);
+void apply_file(Config& config, const std::string& path, ConfigOrigins* origins = nullptr);
 // "section.key=value", as --set takes it. Throws ConfigError.
-void apply_setting(Config& config, std::string_view setting);
+void apply_setting(Config& config, std::string_view setting, ConfigOrigins* origins = nullptr);
 // What no single key shows to be wrong. Throws ConfigError.
-void check(const Config& config);
+void check(const Config& config, const ConfigOrigins& origins = {});
+// That there is such a source, and that the rig file can be used. Throws ConfigError.
+void check_source_and_rig(const Config& config, const ConfigOrigins& origins = {});
 // The whole configuration as a TOML file; a comment gives each key's meaning, unit and range.
 [[nodiscard]] std::string dump(const Config& config);
 

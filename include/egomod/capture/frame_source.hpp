@@ -6,7 +6,9 @@
 #include <stdexcept>
 #include <stop_token>
 #include <string>
+#include <vector>
 
+#include "egomod/bus/bus_address.hpp"
 #include "egomod/capture/capture_config.hpp"
 #include "egomod/core/stereo_pair.hpp"
 
@@ -25,7 +27,7 @@ enum class SourceState {
   kFailed,   // the rest cannot be read: `FrameSource::error()` says why; what came before is whole
 };
 
-// What a live source could not hand out.
+// What a source could not hand out.
 struct SourceCounters {
   std::uint64_t lost_images = 0;       // never arrived: gaps in the exposures of the left camera
   std::uint64_t dropped_images = 0;    // arrived too late, or nobody took them in time
@@ -52,6 +54,8 @@ class FrameSource {
   [[nodiscard]] virtual std::string error() const { return {}; }
   // What the operator should know now: what the source waits for, and the remedy. Threads: any.
   [[nodiscard]] virtual std::string notice() const { return {}; }
+  // What the operator should know once. Threads: any.
+  [[nodiscard]] virtual std::vector<std::string> take_warnings() { return {}; }
   // Threads: any.
   [[nodiscard]] virtual SourceCounters counters() const { return {}; }
   // Takes effect between two pairs (a reload or EGOMOD_CALIBRATION_SET). Throws SourceError, and
@@ -59,13 +63,18 @@ class FrameSource {
   virtual void set_calibration(const Calibration& calibration) = 0;
 };
 
+// That a spec names a source of this build, and that a rig file can be used: what can be known
+// before anything is opened. Throw SourceError.
+void check_source(const std::string& spec);
+void check_rig(const std::string& rig_file);
+
 // `spec` is the SPEC of --source: folder:DIR, log:FILE, lcm, sim[:WORLD], ... Throws SourceError.
 // `rig_file` (may be empty) overrides the calibration that the source brings along. `realtime`: a
 // source that could go at any pace keeps that of the wall clock.
 [[nodiscard]] std::unique_ptr<FrameSource> open_source(const std::string& spec,
                                                        const CaptureConfig& config,
                                                        const std::string& rig_file,
-                                                       const std::string& lcm_url,
+                                                       const BusAddress& lcm_url,
                                                        bool realtime = false);
 
 }  // namespace egomod

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -16,6 +17,15 @@ enum class PairStatus : std::uint8_t {
   kSkipped,   // dropped before features by capture.max_rate_hz; images may be empty
   kRejected,  // no right image within the skew limit, or an image that cannot be used
 };
+
+// Why a pair was rejected.
+enum class PairFault : std::uint8_t {
+  kNone,
+  kNoPartner,  // there is no right image
+  kSkew,       // the nearest right image lies beyond the limit; `right_exposure` is its time
+  kDamaged,    // an image cannot be decoded, or is not of the calibration's size
+};
+inline constexpr std::size_t kPairFaults = 4;
 
 // What a source hands along for the bus and the record, encoded already, such as the truth of a
 // rendered world. No stage looks into it.
@@ -34,6 +44,7 @@ struct StereoPair {
       0};                  // exposure + epoch_offset: since the epoch; 0 in replays and on the bus
   Nanoseconds arrival{0};  // host monotonic clock, when the pair was complete
   PairStatus status = PairStatus::kOk;
+  PairFault fault = PairFault::kNone;
   bool discontinuity =
       false;  // the stream broke before this pair (clock step, camera lost): re-seed
   Calibration calibration;

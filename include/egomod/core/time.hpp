@@ -13,4 +13,6 @@ using Nanoseconds = std::chrono::nanoseconds;
   return std::chrono::duration<double>(t).count();
 }
 
+[[nodiscard]] constexpr double to_milliseconds(Nanoseconds t) { return 1e3 * to_seconds(t); }
+
 }  // namespace egomod

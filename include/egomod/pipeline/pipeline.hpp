@@ -48,9 +48,10 @@ class NewestOf {
   bool broken_after_last_ = false;  // the stream broke after the frame that was taken last
 };
 
-// capture -> features -> egomotion -> moving objects -> publish, one thread a stage (or all on the
-// caller's). Live, the newest pair wins before features; in a replay the producer waits. One object
-// is one run. Threads: `request_stop`, `statistics` and `published` from any; the rest one caller.
+// capture -> features -> egomotion -> moving objects -> publish, one thread a stage (or, with
+// `single_thread`, one for all). Live, the newest pair wins before features; in a replay the
+// producer waits. One object is one run. Threads: `request_stop`, `statistics` and `published` from
+// any; the rest one caller.
 class Pipeline {
  public:
   // `source` must outlive the pipeline.
@@ -64,8 +65,6 @@ class Pipeline {
   void request_stop() { stop_.request_stop(); }
   // Joins the stages in pipeline order.
   PipelineEnd join();
-  // Instead of start and join: the same stages in order on this thread.
-  PipelineEnd run_single_thread();
 
   [[nodiscard]] const std::string& error() const { return error_; }
   // Scheduling asked for and not permitted. Valid after `start`.
@@ -80,10 +79,12 @@ class Pipeline {
   using Work = std::function<bool(Frame&)>;
 
   void launch_stages();
+  void launch_single_thread();
   template <typename In, typename Out>
   void launch(Stage stage, In& in, Out& out);
   template <typename In, typename Out>
   void loop(Stage stage, In& in, Out& out);
+  void loop_over_all_stages();
   // Times the stage's work on a frame; an exception ends the run and is kept as its failure.
   [[nodiscard]] bool work_on(Stage stage, Frame& frame);
   [[nodiscard]] bool capture(Frame& frame);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
 
+#include "egomod/bus/bus_address.hpp"
 #include "egomod/publish/encoded_message.hpp"
 
 namespace egomod {
@@ -14,9 +14,8 @@ namespace egomod {
 // Threads: one caller.
 class Bus {
  public:
-  // `retry`: a bus that cannot be opened is tried again every few seconds, when there is something
-  // to send.
-  Bus(std::string url, bool retry);
+  // `retry`: a bus that cannot be opened is tried again when there is something to send.
+  Bus(BusAddress address, bool retry);
   Bus(const Bus&) = delete;
   Bus& operator=(const Bus&) = delete;
   ~Bus();
@@ -29,15 +28,12 @@ class Bus {
   [[nodiscard]] const std::string& problem() const { return problem_; }
 
  private:
-  struct Connection;  // keeps LCM's headers out
-
   void open();
   [[nodiscard]] bool is_open();
 
-  std::string url_;
+  BusAddress address_;
   bool retry_;
-  std::unique_ptr<Connection> connection_;
-  std::chrono::steady_clock::time_point tried_;
+  std::unique_ptr<lcm::LCM> connection_;
   std::uint64_t sent_ = 0;
   std::uint64_t errors_ = 0;
   std::string problem_;

@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "egomod/bus/bus_address.hpp"
+
 namespace egomod {
 
 enum class ImageEncoding { kNone, kRaw, kJpeg };
@@ -15,11 +17,11 @@ struct PublishConfig {
 
 // Where messages go.
 struct PublishTarget {
-  std::string lcm_url{};       // empty: LCM_DEFAULT_URL, else LCM's own default, which has TTL 0
+  BusAddress lcm_url{};        // LCM's own default has TTL 0
   std::string record{};        // log file, overwritten; empty: none
   bool record_timing = false;  // EGOMOD_TIMING in the record, which then differs from run to run
-  // Live: timing goes to the bus, the calibration comes again each second, a bus that cannot be
-  // opened is tried again, and a record that cannot be written stops while the rest goes on.
+  // Live: timing goes to the bus, a bus that cannot be opened is tried again, and a record that
+  // cannot be written stops while the rest goes on.
   bool live = false;
 };
 

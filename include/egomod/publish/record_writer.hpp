@@ -34,9 +34,10 @@ class RecordWriter {
  private:
   struct Log;  // keeps LCM's headers out
 
-  [[noreturn]] void fail(int error_number) const;
+  [[noreturn]] void fail(int error_number);
 
   std::string path_;
+  int first_error_ = 0;  // errno of the first failure: a later one may have lost it
   std::unique_ptr<Log> log_;
 };
 
