@@ -135,7 +135,7 @@ Eigen::Vector2i read_size(const KeyedFile& keyed, const std::string& key) {
 }
 
 Eigen::Matrix3d read_rotation(const KeyedFile& keyed, const std::string& key) {
-  const Eigen::Matrix3d R = keyed.matrix<3, 3>(key);
+  Eigen::Matrix3d R = keyed.matrix<3, 3>(key);
   if (!is_rotation(R)) throw SourceError(keyed.where(key) + ": is not a rotation");
   return R;
 }

@@ -164,12 +164,13 @@ Calibration take_calibrations(LogIndex& index, const std::string& file,
     throw SourceError(file + ": " + kCalibrationChannel + ": " + fault_of(faulty->calibration) +
                       "; name a rig file with --rig");
   }
-  for (const TimedCalibration& timed : all) {
-    if (const std::string why = contradiction(first, timed.calibration); !why.empty()) {
-      throw SourceError(file + ": its " + kCalibrationChannel +
-                        " messages contradict each other (" + why +
-                        "); name the right rig file with --rig");
-    }
+  const auto odd = std::find_if(all.begin(), all.end(), [&](const TimedCalibration& timed) {
+    return !contradiction(first, timed.calibration).empty();
+  });
+  if (odd != all.end()) {
+    throw SourceError(file + ": its " + kCalibrationChannel + " messages contradict each other (" +
+                      contradiction(first, odd->calibration) +
+                      "); name the right rig file with --rig");
   }
   all.erase(all.begin());
   return first;

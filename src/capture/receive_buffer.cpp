@@ -42,25 +42,25 @@ long allowed_receive_buffer_bytes() {
   return allowed_bytes;
 }
 
-std::string ReceiveBufferWatch::warning(const Traffic& traffic) {
-  if (granted_bytes_ <= 0 || granted_bytes_ >= kReceiveBufferBytes) return {};
-  const bool loses = traffic.lost_images > std::exchange(lost_before_, traffic.lost_images);
+std::string ReceiveBufferWatch::trouble(const Traffic& traffic) {
+  if (traffic.lost_images > std::exchange(lost_before_, traffic.lost_images)) {
+    return std::to_string(traffic.lost_images) + " images got lost so far";
+  }
   const auto is_too_large = [&](std::size_t bytes) {
     return bytes > static_cast<std::size_t>(granted_bytes_);
   };
-  std::string what;
-  if (loses) {
-    what = std::to_string(traffic.lost_images) + " images got lost so far";
-  } else if (has_warned_) {
-    return {};
-  } else if (is_too_large(traffic.largest_message_bytes)) {
-    what = "messages of " + std::to_string(traffic.largest_message_bytes) +
+  if (!has_warned_ && is_too_large(traffic.largest_message_bytes)) {
+    return "messages of " + std::to_string(traffic.largest_message_bytes) +
            " bytes are on the bus, and some will get lost";
-  } else if (traffic.largest_message_bytes == 0 && is_too_large(traffic.awaited_bytes)) {
-    what = "no images arrive";
-  } else {
-    return {};
   }
+  const bool waits = traffic.largest_message_bytes == 0 && is_too_large(traffic.awaited_bytes);
+  return !has_warned_ && waits ? "no images arrive" : "";
+}
+
+std::string ReceiveBufferWatch::warning(const Traffic& traffic) {
+  if (granted_bytes_ <= 0 || granted_bytes_ >= kReceiveBufferBytes) return {};
+  const std::string what = trouble(traffic);
+  if (what.empty()) return {};
   has_warned_ = true;
   return what + ": the receive buffer has " + std::to_string(granted_bytes_) +
          " bytes; allow more with 'sysctl -w net.core.rmem_max=" +

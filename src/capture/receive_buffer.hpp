@@ -34,6 +34,9 @@ class ReceiveBufferWatch {
   [[nodiscard]] std::string warning(const Traffic& traffic);
 
  private:
+  // What goes wrong, or seems to; empty if nothing does, or if it was said before.
+  [[nodiscard]] std::string trouble(const Traffic& traffic);
+
   long granted_bytes_;
   bool has_warned_ = false;
   std::uint64_t lost_before_ = 0;
