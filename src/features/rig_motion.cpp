@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "egomod/core/geometry.hpp"
 
@@ -20,6 +21,9 @@ constexpr std::array kScales_px{24.0, 12.0, 6.0, 3.0, 2.0, 2.0};
 constexpr std::size_t kFirstOfKnown = 2;  // of the scales, where the last motion goes on
 constexpr double kNear_px = 3.0;
 constexpr double kMinShareNear = 0.4;
+// A rig that moves its image less rests: what is left of so small a guess is noise, and all tracks
+// that start from it would share it.
+constexpr double kRest_px = 0.05;
 
 Eigen::Vector2d normalised(const StereoCamera& camera, ImagePoint p) {
   return {(static_cast<double>(p.u_px) - camera.cx_px) / camera.fx_px,
@@ -87,6 +91,17 @@ double RigMotion::share_near(const Eigen::Isometry3d& T) const {
   return static_cast<double>(near) / static_cast<double>(samples_.size());
 }
 
+bool RigMotion::rests(const Eigen::Isometry3d& T) const {
+  const double limit = kRest_px / camera_.fx_px;
+  const auto moved2 = [&](double sum, const Sample& s) {
+    const Eigen::Vector3d Q = T * s.P_m;
+    return sum +
+           (Q.z() > kMinDepth_m ? (Q.hnormalized() - s.P_m.hnormalized()).squaredNorm() : 1.0);
+  };
+  const double sum = std::accumulate(samples_.begin(), samples_.end(), 0.0, moved2);
+  return sum < limit * limit * static_cast<double>(samples_.size());
+}
+
 bool RigMotion::guess(const TrackStore& store) {
   const std::size_t first = known_ ? kFirstOfKnown : 0;
   known_ = false;
@@ -96,7 +111,7 @@ bool RigMotion::guess(const TrackStore& store) {
   Eigen::Isometry3d T = T_current_previous_;
   for (std::size_t k = first; k < kScales_px.size(); ++k) refine(kScales_px[k] / camera_.fx_px, T);
   known_ = share_near(T) >= kMinShareNear;
-  if (known_) T_current_previous_ = orthonormalised(T);
+  if (known_) T_current_previous_ = rests(T) ? Eigen::Isometry3d::Identity() : orthonormalised(T);
   return known_;
 }
 

@@ -39,6 +39,7 @@ class RigMotion {
   void gather(const TrackStore& store);
   void refine(double scale, Eigen::Isometry3d& T_current_previous) const;
   [[nodiscard]] double share_near(const Eigen::Isometry3d& T_current_previous) const;
+  [[nodiscard]] bool rests(const Eigen::Isometry3d& T_current_previous) const;
 
   StereoCamera camera_;
   Eigen::Isometry3d T_current_previous_ = Eigen::Isometry3d::Identity();

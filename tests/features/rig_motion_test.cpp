@@ -68,6 +68,26 @@ TEST(RigMotionTest, PredictsRestingPointsAmongMovers) {
   }
 }
 
+// What noise makes of rest must not become part of where all tracks are looked for.
+TEST(RigMotionTest, ARestingRigIsExpectedToStandQuiteStill) {
+  TrackStore store(kPoints);
+  fill(store, 0.0);
+  std::mt19937 random(3);
+  std::normal_distribution<float> noise_px(0.0F, 0.05F);
+  for (FollowedPoint& point : store.points()) {
+    point.left = {point.previous_left.u_px + noise_px(random),
+                  point.previous_left.v_px + noise_px(random)};
+  }
+  RigMotion motion;
+  motion.begin_pair(kCamera, true, 1.0F);
+  ASSERT_TRUE(motion.guess(store));
+  const FollowedPoint& point = store.points().back();
+  const auto expected = motion.predict(point);
+  ASSERT_TRUE(expected.has_value());
+  EXPECT_FLOAT_EQ(expected->left.u_px, point.previous_left.u_px);
+  EXPECT_FLOAT_EQ(expected->left.v_px, point.previous_left.v_px);
+}
+
 TEST(RigMotionTest, SaysNothingWherePointsDisagree) {
   TrackStore store(kPoints);
   fill(store, 0.0);

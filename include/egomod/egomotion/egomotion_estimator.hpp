@@ -78,7 +78,7 @@ class EgomotionEstimator {
 
   void keep_velocity(const Egomotion& motion);
   void adapt_noise_scale();
-  [[nodiscard]] double renewed_share(const TrackSet& tracks) const;
+  [[nodiscard]] double lasting_share(const TrackSet& tracks) const;
   [[nodiscard]] VelocityState unknown_velocity() const;
   [[nodiscard]] bool over_a_hole(const TrackSet& tracks) const;
 
