@@ -12,11 +12,17 @@ namespace {
 constexpr float kRoomFactor = 1.3F;
 // Corners tried for each free track; they come in order of rank, so that stopping keeps coverage.
 constexpr std::size_t kTriesPerPlace = 2;
+// Once half of all tracks are there no pair tries more than this share of them: where many die, as
+// at driving speed, new ones are what costs most, and come over several pairs as well.
+constexpr double kMaxShareTried = 0.19;
 
 }  // namespace
 
 Seeding::Seeding(int capacity, const CornerConfig& corners, const DisparityConfig& disparity)
-    : detector_(corners), search_(disparity) {
+    : detector_(corners),
+      search_(disparity),
+      half_full_(static_cast<std::size_t>(capacity) / 2),
+      max_tries_when_half_full_(static_cast<std::size_t>(kMaxShareTried * capacity)) {
   const auto n = 2 * static_cast<std::size_t>(capacity);
   occupied_.reserve(n);
   corners_.reserve(n);
@@ -29,7 +35,9 @@ void Seeding::seed(const StereoImages& images, TrackStore& store) {
   occupied_.clear();
   for (const FollowedPoint& point : store.points()) occupied_.push_back(point.left);
   detector_.detect(images.left.level(0), occupied_, kRoomFactor, corners_);
-  corners_.resize(std::min(corners_.size(), kTriesPerPlace * store.free_places()));
+  std::size_t tries = kTriesPerPlace * store.free_places();
+  if (store.points().size() >= half_full_) tries = std::min(tries, max_tries_when_half_full_);
+  corners_.resize(std::min(corners_.size(), tries));
   pixels_.clear();
   for (const Corner& corner : corners_) pixels_.push_back(corner.position);
   matches_.resize(pixels_.size());

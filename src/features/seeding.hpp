@@ -21,6 +21,8 @@ class Seeding {
  private:
   CornerDetector detector_;
   DisparitySearch search_;
+  std::size_t half_full_;
+  std::size_t max_tries_when_half_full_;
   std::vector<ImagePoint> occupied_;
   std::vector<Corner> corners_;
   std::vector<PixelPosition> pixels_;
