@@ -34,44 +34,76 @@ Rectifier::Rectifier(const RawCamera& raw, const StereoCamera& rectified)
       set_entry(index, pixel.x(), pixel.y(), raw);
     }
   }
+  set_groups(raw);
 }
 
 void Rectifier::set_entry(std::size_t index, double u_px, double v_px, const RawCamera& raw) {
-  constexpr int kOne = 1 << kFractionBits;
   const auto split = [](double position_px, int size_px) {
     const double inside = std::clamp(position_px, 0.0, size_px - 1.0);
-    const auto fixed = static_cast<int>(std::lround(inside * kOne));
-    const int whole = std::min(fixed / kOne, size_px - 2);
-    return std::pair(whole, fixed - whole * kOne);
+    const auto fixed = static_cast<int>(std::lround(inside * kRectifyOne));
+    const int whole = std::min(fixed / kRectifyOne, size_px - 2);
+    return std::pair(whole, static_cast<std::uint8_t>(fixed - whole * kRectifyOne));
   };
   const auto [u, u_fraction] = split(u_px, raw.width_px);
   const auto [v, v_fraction] = split(v_px, raw.height_px);
   offsets_[index] = static_cast<std::int32_t>(v * stride_of(raw.width_px) + u);
-  fractions_[index] = static_cast<std::uint16_t>(u_fraction | v_fraction << 8);
+  fractions_[index] = {u_fraction, v_fraction};
+}
+
+void Rectifier::set_groups(const RawCamera& raw) {
+  groups_.reserve(offsets_.size() / RectifyGroup::kPixels);
+  for (int v = 0; v < height_px_; ++v) {
+    const std::int32_t* row = offsets_.data() + static_cast<std::ptrdiff_t>(v) * width_px_;
+    for (int u = 0; u + RectifyGroup::kPixels <= width_px_; u += RectifyGroup::kPixels) {
+      groups_.push_back(group_of(row + u, raw));
+    }
+  }
+}
+
+// No group where the neighbours are strewn too far, or the window would leave the raw image below.
+RectifyGroup Rectifier::group_of(const std::int32_t* offsets, const RawCamera& raw) const {
+  const auto stride = static_cast<std::int32_t>(stride_of(raw.width_px));
+  int top = raw.height_px;
+  int left = raw.width_px;
+  for (int k = 0; k < RectifyGroup::kPixels; ++k) {
+    top = std::min(top, offsets[k] / stride);
+    left = std::min(left, offsets[k] % stride);
+  }
+  RectifyGroup group;
+  for (std::size_t k = 0; k < RectifyGroup::kPixels; ++k) {
+    const int row = offsets[k] / stride - top;
+    const int column = offsets[k] % stride - left;
+    if (row > RectifyGroup::kRows - 2 || column > RectifyGroup::kColumns - 2) return {};
+    group.column[k] = static_cast<std::uint8_t>(column);
+    group.is_lower[k] = row > 0 ? 255 : 0;
+  }
+  if (top + RectifyGroup::kRows <= raw.height_px) group.offset = top * stride + left;
+  return group;
 }
 
 void Rectifier::apply(const Image& raw, Image& rectified) const {
-  constexpr std::uint32_t kOne = 1U << kFractionBits;
-  constexpr std::uint32_t kHalf = 1U << (2 * kFractionBits - 1);
   rectified.resize(width_px_, height_px_);
-  const std::uint8_t* const upper = raw.row(0);
-  const std::uint8_t* const lower = raw.row(1);
-  const std::int32_t* offset = offsets_.data();
-  const std::uint16_t* fraction = fractions_.data();
+  const std::uint8_t* const from = raw.row(0);
+  const std::ptrdiff_t stride = raw.stride_bytes();
+  const RectifyGroup* group = groups_.data();
   for (int v = 0; v < height_px_; ++v) {
-    std::uint8_t* to = rectified.row(v);
-    for (int u = 0; u < width_px_; ++u, ++offset, ++fraction) {
-      // Upper row in the low half word, lower row in the high one: one multiplication for both.
-      const std::uint8_t* a = upper + *offset;
-      const std::uint8_t* b = lower + *offset;
-      const std::uint32_t near = a[0] | static_cast<std::uint32_t>(b[0]) << 16;
-      const std::uint32_t far = a[1] | static_cast<std::uint32_t>(b[1]) << 16;
-      const std::uint32_t fu = *fraction & 0xFFU;
-      const std::uint32_t fv = *fraction >> 8;
-      const std::uint32_t mixed = near * (kOne - fu) + far * fu;
-      const std::uint32_t sum = (mixed & 0xFFFFU) * (kOne - fv) + (mixed >> 16) * fv;
-      to[u] = static_cast<std::uint8_t>((sum + kHalf) >> (2 * kFractionBits));
+    const std::ptrdiff_t begin = static_cast<std::ptrdiff_t>(v) * width_px_;
+    const std::int32_t* const offsets = offsets_.data() + begin;
+    const RectifyFraction* const fractions = fractions_.data() + begin;
+    std::uint8_t* const to = rectified.row(v);
+    const auto one_by_one = [&](int first, int last) {
+      for (int u = first; u < last; ++u)
+        to[u] = rectified_pixel(from + offsets[u], stride, fractions[u]);
+    };
+    int u = 0;
+    for (; u + RectifyGroup::kPixels <= width_px_; u += RectifyGroup::kPixels, ++group) {
+      if (group->offset < 0) {
+        one_by_one(u, u + RectifyGroup::kPixels);
+      } else {
+        rectify_group(from + group->offset, stride, *group, fractions + u, to + u);
+      }
     }
+    one_by_one(u, width_px_);
   }
 }
 

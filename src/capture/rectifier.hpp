@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "capture/rectify_kernel.hpp"
 #include "egomod/core/calibration.hpp"
 #include "egomod/core/image.hpp"
 
@@ -23,13 +24,14 @@ class Rectifier {
 
  private:
   void set_entry(std::size_t index, double u_px, double v_px, const RawCamera& raw);
-
-  static constexpr int kFractionBits = 6;  // 1/64 px; products stay within signed 16 bits
+  void set_groups(const RawCamera& raw);
+  [[nodiscard]] RectifyGroup group_of(const std::int32_t* offsets, const RawCamera& raw) const;
 
   int width_px_;
   int height_px_;
-  std::vector<std::int32_t> offsets_;     // byte of the upper left of the four neighbours
-  std::vector<std::uint16_t> fractions_;  // u in the lower byte, v in the upper, 0..64
+  std::vector<std::int32_t> offsets_;  // byte of the upper left of the four neighbours
+  std::vector<RectifyFraction> fractions_;
+  std::vector<RectifyGroup> groups_;  // row by row; pixels left over at a row's end are in none
 };
 
 }  // namespace egomod

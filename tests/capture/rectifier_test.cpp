@@ -4,12 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
+#include <random>
 
 #include "capture/calibration_check.hpp"
 #include "capture/lens.hpp"
+#include "capture/rectify_kernel.hpp"
 #include "capture/stereo_rectify.hpp"
 #include "egomod/core/geometry.hpp"
 
@@ -63,6 +67,32 @@ cv::Matx33d camera_matrix(const StereoCamera& camera) {
 }
 
 cv::Mat distortion(const RawCamera& camera) { return cv::Mat(camera.distortion, true).t(); }
+
+TEST(RectifyKernel, AGroupIsBitEqualToItsPixelsOneByOne) {
+  constexpr std::size_t kStride = 40;
+  std::mt19937 random(7);
+  const auto below = [&](int limit) {
+    return static_cast<int>(random() % static_cast<unsigned>(limit));
+  };
+  std::array<std::uint8_t, kStride * RectifyGroup::kRows> raw{};
+  for (int run = 0; run < 2000; ++run) {
+    for (std::uint8_t& pixel : raw) pixel = static_cast<std::uint8_t>(below(256));
+    RectifyGroup group;
+    std::array<RectifyFraction, RectifyGroup::kPixels> fractions;
+    std::array<std::uint8_t, RectifyGroup::kPixels> expected{};
+    for (std::size_t k = 0; k < RectifyGroup::kPixels; ++k) {
+      group.column[k] = static_cast<std::uint8_t>(below(RectifyGroup::kColumns - 1));
+      group.is_lower[k] = below(2) == 0 ? 0 : 255;
+      fractions[k] = {static_cast<std::uint8_t>(below(kRectifyOne + 1)),
+                      static_cast<std::uint8_t>(below(kRectifyOne + 1))};
+      const std::size_t row = group.is_lower[k] != 0 ? kStride : 0;
+      expected[k] = rectified_pixel(raw.data() + row + group.column[k], kStride, fractions[k]);
+    }
+    std::array<std::uint8_t, RectifyGroup::kPixels> found{};
+    rectify_group(raw.data(), kStride, group, fractions.data(), found.data());
+    ASSERT_EQ(found, expected) << run;
+  }
+}
 
 TEST(Lens, DistortsAsOpenCvAndUndoesItself) {
   const RawCamera camera = example_camera(0.0);
