@@ -75,18 +75,12 @@ double mean_variance_factor(std::size_t count, double correlation) {
   return correlation + (1.0 - correlation) / static_cast<double>(count);
 }
 
-void set_mean_covariances(std::span<const PointSample> points, Members members, double correlation,
-                          MovingObject& object) {
-  object.position_covariance_m2.setZero();
-  object.velocity_covariance_m2ps2.setZero();
-  for (const auto i : members) {
-    object.position_covariance_m2 += points[i].position_covariance_m2;
-    object.velocity_covariance_m2ps2 += points[i].velocity_covariance_m2ps2;
-  }
-  const double factor =
-      mean_variance_factor(members.size(), correlation) / static_cast<double>(members.size());
-  object.position_covariance_m2 *= factor;
-  object.velocity_covariance_m2ps2 *= factor;
+Eigen::Matrix3d mean_covariance(std::span<const PointSample> points, Members members,
+                                double correlation, Eigen::Matrix3d PointSample::*own) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const auto i : members) sum += points[i].*own;
+  return mean_variance_factor(members.size(), correlation) / static_cast<double>(members.size()) *
+         sum;
 }
 
 void set_speed(MovingObject& object) {

@@ -31,9 +31,11 @@ using Members = std::span<const Grouper::Index>;  // into a vector of PointSampl
 // Variance of a mean of K values whose errors correlate by rho: sigma^2 * this.
 [[nodiscard]] double mean_variance_factor(std::size_t count, double correlation);
 
-// Covariances of the mean position and velocity of points whose errors correlate.
-void set_mean_covariances(std::span<const PointSample> points, Members members, double correlation,
-                          MovingObject& object);
+// Covariance of the mean of one of the points' vectors, of which `own` is their covariance, when
+// their errors correlate.
+[[nodiscard]] Eigen::Matrix3d mean_covariance(std::span<const PointSample> points, Members members,
+                                              double correlation,
+                                              Eigen::Matrix3d PointSample::*own);
 // Fills speed and its standard error from velocity and covariance.
 void set_speed(MovingObject& object);
 

@@ -60,7 +60,7 @@ MeanVelocity weighted_velocity(std::span<const PointSample> points, Members memb
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   Eigen::Vector3d weighted = Eigen::Vector3d::Zero();
   for (const auto i : members) {
-    const Eigen::Matrix3d W = (points[i].velocity_covariance_m2ps2 + spread()).inverse();
+    const Eigen::Matrix3d W = velocity_information(points[i]);
     information += W;
     weighted += W * points[i].velocity_mps;
   }
@@ -71,9 +71,13 @@ MeanVelocity weighted_velocity(std::span<const PointSample> points, Members memb
   return {covariance * weighted, covariance * inflation};
 }
 
+Eigen::Matrix3d velocity_information(const PointSample& point) {
+  return (point.velocity_covariance_m2ps2 + spread()).inverse();
+}
+
 double velocity_chi2(const PointSample& point, const Eigen::Vector3d& velocity_mps) {
   const Eigen::Vector3d e = point.velocity_mps - velocity_mps;
-  return e.dot((point.velocity_covariance_m2ps2 + spread()).inverse() * e);
+  return e.dot(velocity_information(point) * e);
 }
 
 bool slides_along_an_edge(const StereoCamera& camera, std::span<const PointSample> points,

@@ -40,6 +40,8 @@ struct MeanVelocity {
 };
 [[nodiscard]] MeanVelocity weighted_velocity(std::span<const PointSample> points, Members members,
                                              double correlation);
+// Inverse covariance of a point's velocity as that of its body.
+[[nodiscard]] Eigen::Matrix3d velocity_information(const PointSample& point);
 // Chi-square of a point's velocity against another one.
 [[nodiscard]] double velocity_chi2(const PointSample& point, const Eigen::Vector3d& velocity_mps);
 // True when the points lie on one line of the image and move along it.

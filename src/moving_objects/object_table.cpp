@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "egomod/core/geometry.hpp"
+#include "moving_objects/body_motion.hpp"
 #include "moving_objects/group_shape.hpp"
 
 namespace egomod {
@@ -19,11 +21,14 @@ constexpr double kLeaveChi2 = 25.0;       // a member this far off leaves
 constexpr double kKeepPurityShare = 0.5;  // of the purity that opens an object
 constexpr double kEvidenceMemory = 0.9;   // of one pair
 constexpr double kMostEvidencePerPair = 40.0;
+constexpr double kManoeuvre_s = 1.0;    // how long an unseen one lasts
 constexpr double kPartGapShare = 0.25;  // of the larger one's extent, across the line of sight
 constexpr double kPartDepthShare = 0.5;
 constexpr double kPartSpeed_mps = 0.05;  // plus a share of the speed, 99 % and rotation
 constexpr double kPartSpeedShare = 0.03;
 constexpr double kPartChi2 = 11.34;
+constexpr double kShapeShare =
+    0.04;  // error of a surface's centre by its size, however many points
 constexpr std::size_t kLeastPoints = MotionGroups::kLeastPoints;
 
 // Free space between two boxes along each axis.
@@ -37,6 +42,13 @@ bool are_near(const MovingObjectsConfig& config, const MovingObject& a, const Mo
   const double sigma_m = std::sqrt(a.position_covariance_m2(2, 2) + b.position_covariance_m2(2, 2));
   return gap.head<2>().norm() < std::max(config.neighbour_distance_m, kPartGapShare * size_m) &&
          gap.z() < std::max(config.neighbour_depth_m, kPartDepthShare * size_m) + 2.5 * sigma_m;
+}
+
+// Few points show the outline of a surface badly, and many not exactly.
+double shape_variance_m2(const MovingObject& object) {
+  const double share = kShapeShare + 1.0 / std::max(1, object.points);
+  const double size_m = object.extent_m.head<2>().maxCoeff();
+  return share * share * size_m * size_m;
 }
 
 bool is_finite(const MovingObject& object) {
@@ -67,16 +79,31 @@ void ObjectTable::move_on(const StereoCamera& camera, Nanoseconds exposure,
                           const Eigen::Isometry3d& T_current_previous) {
   const double elapsed_s = to_seconds(exposure - now_);
   now_ = exposure;
+  const Eigen::Matrix3d R = T_current_previous.linear();
   for (Tracked& tracked : objects_) {
     MovingObject& object = tracked.object;
     const Eigen::Vector3d before_m = object.position_m;
     object.position_m = T_current_previous * (before_m + elapsed_s * object.velocity_mps);
-    object.velocity_mps = T_current_previous.linear() * object.velocity_mps;
+    object.velocity_mps = R * object.velocity_mps;
+    tracked.manoeuvre.rotate(R);
+    doubt(elapsed_s, to_seconds(now_ - tracked.last_evidence), object);
+    object.position_covariance_m2 = R * object.position_covariance_m2 * R.transpose();
+    object.velocity_covariance_m2ps2 = R * object.velocity_covariance_m2ps2 * R.transpose();
+    set_speed(object);
     object.rectangle = carried(camera, object.rectangle, before_m, object.position_m);
     object.age_s = to_seconds(now_ - tracked.first);
     object.points = 0;
     tracked.evident = false;
   }
+}
+
+// The longer unseen, the less is known: an error of velocity adds up, and things manoeuvre.
+void ObjectTable::doubt(double elapsed_s, double unseen_s, MovingObject& object) const {
+  const double before_s = std::max(0.0, unseen_s - elapsed_s);
+  object.position_covariance_m2 +=
+      (unseen_s * unseen_s - before_s * before_s) * object.velocity_covariance_m2ps2;
+  const double a_mps2 = config_.acceleration_mps2 + config_.manoeuvre_hz * object.speed_mps;
+  object.velocity_covariance_m2ps2.diagonal().array() += a_mps2 * a_mps2 * kManoeuvre_s * elapsed_s;
 }
 
 void ObjectTable::miss(const TrackSet& tracks) {
@@ -237,11 +264,6 @@ void ObjectTable::collect(std::span<const PointSample> points, const Tracked& tr
 void ObjectTable::measure(const StereoCamera& camera, std::span<const PointSample> points,
                           Tracked& tracked) {
   MovingObject& object = tracked.object;
-  const double rho = config_.error_correlation;
-  set_mean_covariances(points, members_, rho, object);
-  const MeanVelocity mean = weighted_velocity(points, members_, rho);
-  object.velocity_mps = mean.velocity_mps;
-  object.velocity_covariance_m2ps2 = mean.covariance_m2ps2;
   object.rectangle = rectangle_of(points, members_);
   object.extent_m = extent_of(points, members_);
   object.points = static_cast<int>(members_.size());
@@ -251,9 +273,27 @@ void ObjectTable::measure(const StereoCamera& camera, std::span<const PointSampl
   const PixelRect& r = object.rectangle;
   object.position_m = {(0.5 * (r.u_min_px + r.u_max_px) - camera.cx_px) / camera.fx_px * z_m,
                        (0.5 * (r.v_min_px + r.v_max_px) - camera.cy_px) / camera.fy_px * z_m, z_m};
+  object.position_covariance_m2 = mean_covariance(points, members_, config_.error_correlation,
+                                                  &PointSample::position_covariance_m2) +
+                                  shape_variance_m2(object) * Eigen::Matrix3d::Identity();
+  measure_motion(points, tracked);
   set_speed(object);
   object.motion_probability = logistic(motion_log_ratio(
       object.velocity_mps, object.velocity_covariance_m2ps2, config_.velocity_prior_mps));
+}
+
+void ObjectTable::measure_motion(std::span<const PointSample> points, Tracked& tracked) {
+  MovingObject& object = tracked.object;
+  const BodyMotion body =
+      fit_body_motion(points, members_, object.position_m, config_.error_correlation);
+  tracked.manoeuvre.follow(body.velocity_mps, now_);
+  object.velocity_mps = body.velocity_mps + tracked.manoeuvre.lead_mps();
+  object.angular_velocity_radps = body.angular_velocity_radps;
+  // Where a turning body is not quite where it is thought to be, another part of it is.
+  const Eigen::Matrix3d lever = skew(body.angular_velocity_radps);
+  object.velocity_covariance_m2ps2 = body.velocity_covariance_m2ps2 +
+                                     tracked.manoeuvre.covariance_m2ps2() +
+                                     lever * object.position_covariance_m2 * lever.transpose();
 }
 
 // Without a group of its own: does it rest, or is it only not seen?

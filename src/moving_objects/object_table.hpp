@@ -10,6 +10,7 @@
 #include "egomod/core/moving_objects.hpp"
 #include "egomod/core/track_set.hpp"
 #include "egomod/moving_objects/moving_objects_config.hpp"
+#include "moving_objects/manoeuvre.hpp"
 #include "moving_objects/motion_groups.hpp"
 #include "moving_objects/point_sample.hpp"
 
@@ -49,6 +50,7 @@ class ObjectTable {
  private:
   struct Tracked {
     MovingObject object;
+    Manoeuvre manoeuvre;
     Nanoseconds first{0};
     Nanoseconds last_evidence{0};
     int pairs = 0;          // with evidence
@@ -59,12 +61,14 @@ class ObjectTable {
 
   void move_on(const StereoCamera& camera, Nanoseconds exposure,
                const Eigen::Isometry3d& T_current_previous);
+  void doubt(double elapsed_s, double unseen_s, MovingObject& object) const;
   [[nodiscard]] Tracked* by_tracks(std::span<const PointSample> points, Members members);
   [[nodiscard]] Tracked* by_place(const MotionGroup& group);
   [[nodiscard]] Tracked* create(const MotionGroup& group);
   [[nodiscard]] bool belongs(const PointSample& point, const Tracked& tracked) const;
   void collect(std::span<const PointSample> points, const Tracked& tracked);
   void measure(const StereoCamera& camera, std::span<const PointSample> points, Tracked& tracked);
+  void measure_motion(std::span<const PointSample> points, Tracked& tracked);
   void absorb_parts(const StereoCamera& camera, std::span<const PointSample> points);
   void coast(std::span<const PointSample> points, Tracked& tracked);
   [[nodiscard]] bool is_lost(const Tracked& tracked) const;

@@ -123,7 +123,11 @@ MovingObject ThesisMethod::object_of(Members members) const {
   object.rectangle = rectangle_of(points_, members);
   object.extent_m = extent_of(points_, members);
   object.points = static_cast<int>(members.size());
-  set_mean_covariances(points_, members, config_.error_correlation, object);
+  const double rho = config_.error_correlation;
+  object.position_covariance_m2 =
+      mean_covariance(points_, members, rho, &PointSample::position_covariance_m2);
+  object.velocity_covariance_m2ps2 =
+      mean_covariance(points_, members, rho, &PointSample::velocity_covariance_m2ps2);
   set_speed(object);
   object.motion_probability = moving_posterior(classifier_, object.speed_mps);
   return object;

@@ -170,10 +170,18 @@ TEST_F(Filter, IdentityOutlastsOneSecondOutOfSight) {
   ASSERT_EQ(moving(), 1);
   const std::int64_t id = objects.objects.front().id;
   for (std::size_t i = 300; i < 340; ++i) world.points[i].at_start_m.y() += 50.0;
+  MovingObject before;
   for (; pair < 60; ++pair) {
     run(pair);
     ASSERT_EQ(objects.objects.size(), 1U);
+    if (pair == 32) before = objects.objects.front();
     EXPECT_TRUE(pair < 32 || objects.objects.front().state == ObjectState::kCoasting);
+    if (pair <= 32) continue;
+    // The longer unseen, the less is known.
+    const MovingObject& unseen = objects.objects.front();
+    EXPECT_GT(unseen.position_covariance_m2.trace(), before.position_covariance_m2.trace());
+    EXPECT_GT(unseen.speed_sigma_mps, before.speed_sigma_mps);
+    before = unseen;
   }
   for (std::size_t i = 300; i < 340; ++i) world.points[i].at_start_m.y() -= 50.0;
   for (; pair < 75; ++pair) run(pair);

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moving_objects/body_motion.hpp"
+
+#include <Eigen/LU>
+
+#include "egomod/core/geometry.hpp"
+#include "moving_objects/motion_groups.hpp"
+
+namespace egomod {
+namespace {
+
+// The filters are ready for manoeuvres at any time. While a body makes none, their velocities err
+// by this share of the variance that they say; what a manoeuvre adds is `Manoeuvre`'s.
+constexpr double kSteadyShare = 0.04;
+constexpr double kTurnPrior_radps = 0.7;
+// Of the angular velocity, 3 dof. Far above what noise makes: a body that brakes, while some of its
+// points lag behind more than others, looks as if it turned.
+constexpr double kTurnChi2 = 50.0;
+constexpr std::size_t kTurnPoints = 6;
+
+// Normal equations of v and w.
+struct Equations {
+  Matrix6d information = Matrix6d::Zero();
+  Vector6d weighted = Vector6d::Zero();
+};
+
+Equations equations_of(std::span<const PointSample> points, Members members,
+                       const Eigen::Vector3d& at_m) {
+  Equations e;
+  for (const auto i : members) {
+    const Eigen::Matrix3d W = velocity_information(points[i]);
+    const Eigen::Matrix3d S = skew(points[i].position_m - at_m);  // v_i = v - S w
+    const Eigen::Matrix3d WS = W * S;
+    const Eigen::Vector3d Wv = W * points[i].velocity_mps;
+    e.information.topLeftCorner<3, 3>() += W;
+    e.information.topRightCorner<3, 3>() -= WS;
+    e.information.bottomRightCorner<3, 3>().noalias() -= S * WS;
+    e.weighted.head<3>() += Wv;
+    e.weighted.tail<3>().noalias() += S * Wv;
+  }
+  e.information.bottomLeftCorner<3, 3>() = e.information.topRightCorner<3, 3>().transpose();
+  return e;
+}
+
+}  // namespace
+
+BodyMotion fit_body_motion(std::span<const PointSample> points, Members members,
+                           const Eigen::Vector3d& at_m, double correlation) {
+  Equations e = equations_of(points, members, at_m);
+  // 1/K of independent errors becomes rho + (1 - rho)/K.
+  const double weight = 1.0 / (kSteadyShare * static_cast<double>(members.size()) *
+                               mean_variance_factor(members.size(), correlation));
+  e.information *= weight;
+  e.weighted *= weight;
+  BodyMotion body;
+  body.velocity_covariance_m2ps2 = e.information.topLeftCorner<3, 3>().inverse();
+  body.velocity_mps = body.velocity_covariance_m2ps2 * e.weighted.head<3>();
+  if (members.size() < kTurnPoints) return body;
+
+  e.information.diagonal().tail<3>().array() += 1.0 / (kTurnPrior_radps * kTurnPrior_radps);
+  const Matrix6d covariance = e.information.inverse();
+  const Vector6d motion = covariance * e.weighted;
+  const Eigen::Vector3d turn_radps = motion.tail<3>();
+  const Eigen::Matrix3d turn_information = covariance.bottomRightCorner<3, 3>().inverse();
+  if (turn_radps.dot(turn_information * turn_radps) < kTurnChi2) return body;
+  body.velocity_mps = motion.head<3>();
+  body.velocity_covariance_m2ps2 = covariance.topLeftCorner<3, 3>();
+  body.angular_velocity_radps = turn_radps;
+  return body;
+}
+
+}  // namespace egomod

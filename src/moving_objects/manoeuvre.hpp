@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "egomod/core/time.hpp"
+
+namespace egomod {
+
+// How an object's velocity changes. Filters lag behind a change, and how far one has come of late
+// tells how far they are behind: this leads the velocity, and owns up to what may still be wrong.
+class Manoeuvre {
+ public:
+  // The velocity as measured in this pair; the first one starts anew.
+  void follow(const Eigen::Vector3d& velocity_mps, Nanoseconds now);
+  // To other axes.
+  void rotate(const Eigen::Matrix3d& R_to_from);
+
+  [[nodiscard]] Eigen::Vector3d lead_mps() const;  // to be added to the velocity
+  [[nodiscard]] Eigen::Matrix3d covariance_m2ps2() const;
+
+ private:
+  Nanoseconds now_{-1};
+  Eigen::Vector3d slow_mps_ = Eigen::Vector3d::Zero();      // the velocity, of late
+  Eigen::Vector3d change_mps_ = Eigen::Vector3d::Zero();    // from there to this pair's
+  Eigen::Matrix3d unrest_m2ps2_ = Eigen::Matrix3d::Zero();  // mean square of changes
+};
+
+}  // namespace egomod
