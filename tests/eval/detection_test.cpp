@@ -125,5 +125,17 @@ TEST(Detection, TheLeastSpeedIsThatOfTheDefinition) {
   EXPECT_NEAR(v90_mps(one_mover().objects->at(0).front(), 10.0, 500.0, 0.4), expected, kExact);
 }
 
+// A run that took pairs 0, 5, 10, ... is scored as one of a sequence of those.
+TEST(Detection, OfChosenFramesIsThatOfTheirRate) {
+  std::vector<int> taken;
+  for (int frame = 0; frame < 31; frame += 5) taken.push_back(frame);
+  const DetectionFigures chosen = score_detection(one_mover(), from_frame(0), {.only = taken});
+  const DetectionFigures every = score_detection(one_mover(), from_frame(0), {.every = 5});
+  EXPECT_EQ(chosen.frames, 6);
+  EXPECT_EQ(chosen.tp, every.tp);
+  EXPECT_EQ(chosen.fn, 0);
+  EXPECT_NEAR(chosen.duration_s, every.duration_s, kExact);
+}
+
 }  // namespace
 }  // namespace egomod::eval

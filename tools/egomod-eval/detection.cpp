@@ -72,7 +72,7 @@ class Tally {
         counted_(counted_frames(truth.frames(), options)),
         duties_(duties(truth, counted_, options)) {
     figures_.frames = std::max(1, static_cast<int>(counted_.size()));
-    figures_.duration_s = figures_.frames * options.every / truth.rate_hz();
+    figures_.duration_s = figures_.frames / counted_rate_hz(truth, options);
   }
 
   DetectionFigures run() {

@@ -17,6 +17,8 @@ struct DetectionOptions {
   double v90_factor = 1.5;    // qualifies from this many times v90 on; 0: whatever moves
   int first_frame = 1;        // motion takes two pairs
   int every = 1;              // only frames divisible by this count
+  // Ascending; only these frames, at the rate that they come at. Nothing: all.
+  std::optional<std::vector<int>> only;
 };
 
 // What an estimate that lies on a true object is worth.

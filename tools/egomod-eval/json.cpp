@@ -202,6 +202,7 @@ std::string of(const ConsistencyFigures& c) {
 std::string of(const Evaluation& e) {
   Object json;
   json.add("sequence", e.name).add("source", e.source).add("frames", e.truth.frames());
+  if (!e.method.empty()) json.add("method", e.method);
   if (e.odometry) json.add_json("odometry", of(*e.odometry));
   if (e.detection) json.add_json("detection", of(*e.detection));
   if (e.points) json.add_json("points", of(*e.points));

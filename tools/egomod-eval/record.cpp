@@ -95,6 +95,7 @@ class Evidence {
   void add_objects(const lcm::LogEvent& event) {
     object_list_t list{};
     reader_.decode(event, list);
+    record_.processed.push_back(static_cast<int>(list.sequence));
     const auto rows = record_.estimate.detections->find(static_cast<int>(list.sequence));
     if (rows == record_.estimate.detections->end()) return;
     const Eigen::Matrix3d R = calibration_.T_body_camera.linear().transpose();
@@ -144,7 +145,8 @@ class Evidence {
 Record read_record(const std::string& log) {
   const TemporaryFolder folder;
   log::export_log(log, folder.path());  // also refuses what is no record
-  Record record{.estimate = read_result(folder.path()), .poses = {}, .points = std::nullopt};
+  Record record{
+      .estimate = read_result(folder.path()), .poses = {}, .processed = {}, .points = std::nullopt};
   Evidence(log, record).run();
   return record;
 }

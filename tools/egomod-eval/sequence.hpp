@@ -63,6 +63,7 @@ struct Truth {
   Poses poses;                                  // empty: unknown
   std::optional<ByFrame<TruthObject>> objects;  // nothing: unknown
   double focal_px = 0.0;                        // read where objects are
+  double cx_px = 0.0;
   double baseline_m = 0.0;
 
   [[nodiscard]] int frames() const { return static_cast<int>(times_s.size()); }

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "cases.hpp"
+#include "figure_tables.hpp"
+#include "threshold.hpp"
+
+namespace egomod::thesis {
+
+struct Cases {
+  Case still, moving, range;
+};
+
+// What the thesis says beside what came out here.
+[[nodiscard]] eval::FigureTable comparison_table(const Cases& cases,
+                                                 const std::vector<ThresholdFit>& fits);
+// What the threshold depends on.
+[[nodiscard]] eval::FigureTable threshold_table(const std::vector<ThresholdFit>& fits);
+// Errors of both methods in both cases, before and after the depth where the thesis saw them grow.
+[[nodiscard]] eval::FigureTable error_table(const Cases& cases);
+
+// Why they differ.
+struct Deviation {
+  std::string what;
+  std::string why;
+};
+[[nodiscard]] std::vector<Deviation> deviations(const Cases& cases,
+                                                const std::vector<ThresholdFit>& fits);
+
+// Mean time of a pair through all stages; nothing where the record has no timing.
+[[nodiscard]] std::optional<double> pair_ms(const eval::Evaluation& evaluation);
+
+}  // namespace egomod::thesis
