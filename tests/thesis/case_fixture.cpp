@@ -134,10 +134,7 @@ class Recording {
   std::vector<std::uint8_t> buffer_;
 };
 
-}  // namespace
-
-void write_case(const std::string& folder) {
-  write_truth(folder + "/truth");
+void write_records(const std::string& folder) {
   Recording thesis(folder + "/thesis.lcmlog");
   Recording standard(folder + "/default.lcmlog");
   thesis.calibration();
@@ -153,6 +150,16 @@ void write_case(const std::string& folder) {
     standard.pose(i, false);
     standard.objects(i, i >= 5);
     standard.timing(i, 6);
+  }
+}
+
+}  // namespace
+
+void write_case(const std::string& folder) {
+  write_truth(folder + "/truth");
+  write_records(folder);
+  for (const char* name : {"thesis-narrow", "thesis-wide"}) {
+    std::filesystem::copy_file(folder + "/thesis.lcmlog", folder + "/" + name + ".lcmlog");
   }
 }
 

@@ -88,22 +88,27 @@ TEST_F(Thesis, TheThresholdIsThatOfTheSamples) {
   EXPECT_NEAR(*fit.certain_mps, std::sqrt((std::log(25.0) + std::log(99.0)) / 96.0), 1e-6);
 }
 
-TEST(DrawnSamples, AreOfTheirClassAndAlwaysTheSame) {
-  fit::Labels labels;
-  for (int i = 0; i < 1000; ++i) labels.static_mps.push_back(i);
-  labels.moving_mps = {0.5, 0.5};
-  const fit::Labels some = drawn(labels, 450);
-  EXPECT_EQ(some.static_mps.size(), 450U);
-  EXPECT_THAT(some.moving_mps, ElementsAre(0.5, 0.5));
-  EXPECT_EQ(some.static_mps, drawn(labels, 450).static_mps);
-  std::vector<double> ascending = some.static_mps;
-  std::sort(ascending.begin(), ascending.end());
-  EXPECT_EQ(std::adjacent_find(ascending.begin(), ascending.end()), ascending.end());
+// One mismatch among a hundred points: a draw of ten holds it once in ten times.
+TEST(ThresholdSpread, IsThatOfTheDraws) {
+  fit::Labels labels{std::vector<double>(99, 0.1), std::vector<double>(100, 0.5)};
+  const ThresholdSpread even = spread_of(labels, 10);
+  EXPECT_EQ(even.draws, 1000);
+  EXPECT_NEAR(even.low_mps, std::sqrt(std::log(25.0) / 96.0), 1e-12);
+  EXPECT_NEAR(even.high_mps, even.low_mps, 1e-12);
+  labels.static_mps.push_back(1.0);
+  const ThresholdSpread torn = spread_of(labels, 10);
+  EXPECT_NEAR(torn.median_mps, even.median_mps, 1e-12);
+  EXPECT_GT(torn.high_mps, 1.5 * even.high_mps);
+  EXPECT_EQ(torn.high_mps, spread_of(labels, 10).high_mps);
 }
 
 TEST_F(Thesis, TheComparisonHoldsWhatWasMeasured) {
-  const Cases cases{read_case(folder_.path()), read_case(folder_.path()),
-                    read_case(folder_.path())};
+  const Cases cases{.still = read_case(folder_.path()),
+                    .moving = read_case(folder_.path()),
+                    .range = read_case(folder_.path()),
+                    .range_narrow_gate = read_thesis_run(folder_.path(), "thesis-narrow"),
+                    .near = {read_thesis_run(folder_.path(), "thesis")},
+                    .near_wide_search = {read_thesis_run(folder_.path(), "thesis-wide")}};
   const eval::FigureTable table = comparison_table(cases, fit_thresholds({folder_.path()}));
   for (const auto& row : table.rows) EXPECT_EQ(row.size(), table.header.size());
   EXPECT_THAT(table.rows, Contains(ElementsAre("range", "0.866 to 13.537 m", "5.500 to 6.500 m",

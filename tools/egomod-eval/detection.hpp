@@ -18,7 +18,7 @@ struct DetectionOptions {
   int first_frame = 1;        // motion takes two pairs
   int every = 1;              // only frames divisible by this count
   // Ascending; only these frames, at the rate that they come at. Nothing: all.
-  std::optional<std::vector<int>> only;
+  std::optional<std::vector<int>> only = std::nullopt;
 };
 
 // What an estimate that lies on a true object is worth.

@@ -131,6 +131,11 @@ class Evidence {
     if (timing.stages.empty()) return;
     record_.estimate.stage_ms["total, arrival to publish"].push_back(
         static_cast<double>(timing.stages.back().end - timing.arrival) * 1e-6);
+    if (record_.processed.empty() || record_.processed.back() != timing.sequence) return;
+    double sum_ns = 0.0;
+    for (const stage_time_t& stage : timing.stages)
+      sum_ns += static_cast<double>(stage.end - stage.start);
+    record_.estimate.stage_ms[kAllStages].push_back(sum_ns * 1e-6);
   }
 
   std::string log_;

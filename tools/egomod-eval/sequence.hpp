@@ -70,6 +70,9 @@ struct Truth {
   [[nodiscard]] double rate_hz() const;
 };
 
+// The time that all stages together take for a pair, of those that were processed.
+constexpr const char* kAllStages = "sum of all stages";
+
 struct Estimate {
   Poses poses;
   std::optional<ByFrame<Detection>> detections;  // nothing: not recorded

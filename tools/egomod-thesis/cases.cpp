@@ -2,6 +2,7 @@
 #include "cases.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <limits>
 
@@ -25,12 +26,13 @@ eval::DetectionOptions whatever_shows() {
   return {.min_px = 1,
           .max_depth_m = std::numeric_limits<double>::max(),
           .grace_s = 0.0,
-          .v90_factor = 0.0,
-          .only = std::nullopt};
+          .v90_factor = 0.0};
 }
 
-eval::Evaluation evaluation_of(const fs::path& folder, const char* method, bool processed_only) {
-  const fs::path record = folder / (std::string(method) + ".lcmlog");
+eval::Evaluation evaluation_of(const fs::path& folder, const std::string& method,
+                               bool processed_only) {
+  require(folder / "truth");
+  const fs::path record = folder / (method + ".lcmlog");
   require(record);
   return eval::evaluate({.name = "",
                          .truth = folder / "truth",
@@ -82,12 +84,17 @@ Sighting sighting(int frame, double time_s, const Eigen::Vector3d& position_m,
 }  // namespace
 
 Case read_case(const std::string& folder) {
-  require(fs::path(folder) / "truth");
   Case one{.folder = folder,
            .thesis = evaluation_of(folder, "thesis", true),
            .standard = evaluation_of(folder, "default", false)};
   require_target(one.standard.truth);
   return one;
+}
+
+eval::Evaluation read_thesis_run(const std::string& folder, const std::string& record) {
+  eval::Evaluation run = evaluation_of(folder, record, true);
+  require_target(run.truth);
+  return run;
 }
 
 std::vector<Sighting> true_sightings(const eval::Truth& truth) {
@@ -109,7 +116,10 @@ std::vector<Sighting> sightings(const eval::Evaluation& evaluation) {
                            m.estimate.rectangle, evaluation.truth,
                            pose_at(evaluation.estimate.poses, m.frame)));
     all.back().depth_m = m.truth.surface_m.z();
-    all.back().position_error_m = (m.estimate.position_m - m.truth.surface_m).norm();
+    const Eigen::Vector3d error_m = m.estimate.position_m - m.truth.surface_m;
+    all.back().position_error_m = error_m.norm();
+    all.back().ahead_error_m = std::abs(error_m.z());
+    all.back().across_error_m = error_m.head<2>().norm();
     all.back().velocity_error_mps = (m.estimate.velocity_mps - m.truth.velocity_mps).norm();
   }
   return all;

@@ -16,8 +16,12 @@ struct Case {
   eval::Evaluation standard;
 };
 
-// Throws an exception that names what is missing, and how it is made.
+// These throw an exception that names what is missing, and how it is made.
 [[nodiscard]] Case read_case(const std::string& folder);
+
+// A further run of the thesis's method on what `folder`/truth knows.
+[[nodiscard]] eval::Evaluation read_thesis_run(const std::string& folder,
+                                               const std::string& record);
 
 // The target at one instant. External frame: that of the first left camera, which is the
 // thesis's up to the names of the axes: x to the right, z (its y) ahead.
@@ -29,6 +33,7 @@ struct Sighting {
   Eigen::Vector3d velocity_mps{0.0, 0.0, 0.0};
   double left_m = 0.0, right_m = 0.0;  // the rectangle's sides, at the position's depth
   double position_error_m = 0.0;
+  double ahead_error_m = 0.0, across_error_m = 0.0;  // of it, along the axis and across
   double velocity_error_mps = 0.0;
 };
 

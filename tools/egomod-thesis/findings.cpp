@@ -16,39 +16,57 @@ using eval::number;
 
 constexpr double kErrorsGrow_m = 9.0;  // "major errors [...] start to appear after the 9"
 constexpr double kPublishedPair_s = 0.41;
+constexpr double kAnywhere_m = std::numeric_limits<double>::max();
 
-std::string metres(const std::optional<double>& value, int decimals = 3) {
-  return value ? fmt::format("{:.{}f} m", *value, decimals) : "-";
+std::string metres(const std::optional<double>& value) { return number(value, 3) + " m"; }
+
+// Nearest and farthest true depth at which the target was found.
+struct Depths {
+  std::optional<double> near_m, far_m;
+
+  void take(const Evaluation& evaluation) {
+    for (const Sighting& s : sightings(evaluation)) {
+      near_m = std::min(near_m.value_or(s.depth_m), s.depth_m);
+      far_m = std::max(far_m.value_or(s.depth_m), s.depth_m);
+    }
+  }
+  [[nodiscard]] std::string text() const {
+    return near_m ? number(near_m, 3) + " to " + metres(far_m) : "-";
+  }
+};
+
+Depths depths_of(const std::vector<const Evaluation*>& evaluations) {
+  Depths depths;
+  for (const Evaluation* evaluation : evaluations) depths.take(*evaluation);
+  return depths;
 }
 
-std::string range_of(const Case& one, const Evaluation& evaluation) {
-  (void)one;
-  const std::vector<Sighting> found = sightings(evaluation);
-  if (found.empty()) return "-";
-  const auto [near, far] = std::minmax_element(
-      found.begin(), found.end(),
-      [](const Sighting& a, const Sighting& b) { return a.depth_m < b.depth_m; });
-  return fmt::format("{:.3f} to {:.3f} m", near->depth_m, far->depth_m);
+std::vector<const Evaluation*> with_near(const Evaluation& first,
+                                         const std::vector<Evaluation>& near) {
+  std::vector<const Evaluation*> all{&first};
+  for (const Evaluation& evaluation : near) all.push_back(&evaluation);
+  return all;
 }
 
 struct Errors {
-  std::optional<eval::Summary> position_m, velocity_mps;
+  std::optional<eval::Summary> position_m, ahead_m, across_m, velocity_mps;
 };
 
-Errors errors_of(const std::vector<Sighting>& found, double from_m, double to_m) {
-  std::vector<double> position;
-  std::vector<double> velocity;
-  for (const Sighting& s : found) {
+Errors errors_of(const Evaluation& evaluation, double from_m, double to_m) {
+  std::vector<double> position, ahead, across, velocity;
+  for (const Sighting& s : sightings(evaluation)) {
     if (s.depth_m < from_m || s.depth_m >= to_m) continue;
     position.push_back(s.position_error_m);
+    ahead.push_back(s.ahead_error_m);
+    across.push_back(s.across_error_m);
     velocity.push_back(s.velocity_error_mps);
   }
-  return {eval::summarise(position), eval::summarise(velocity)};
+  return {eval::summarise(position), eval::summarise(ahead), eval::summarise(across),
+          eval::summarise(velocity)};
 }
 
-std::string median_position(const Case& one, const Evaluation& evaluation) {
-  (void)one;
-  const auto errors = errors_of(sightings(evaluation), 0.0, std::numeric_limits<double>::max());
+std::string median_position(const Evaluation& evaluation) {
+  const auto errors = errors_of(evaluation, 0.0, kAnywhere_m);
   return metres(errors.position_m ? std::optional(errors.position_m->median) : std::nullopt);
 }
 
@@ -63,12 +81,10 @@ std::string milliseconds(const std::optional<double>& ms) {
 }  // namespace
 
 std::optional<double> pair_ms(const Evaluation& evaluation) {
-  double sum_ms = 0.0;
-  for (const auto& [stage, values] : evaluation.estimate.stage_ms) {
-    if (stage.rfind("total", 0) == 0) continue;  // holds the time that a pair waits
-    if (const auto summary = eval::summarise(values)) sum_ms += summary->mean;
-  }
-  return sum_ms > 0.0 ? std::optional(sum_ms) : std::nullopt;
+  const auto values = evaluation.estimate.stage_ms.find(eval::kAllStages);
+  if (values == evaluation.estimate.stage_ms.end()) return std::nullopt;
+  const auto summary = eval::summarise(values->second);
+  return summary ? std::optional(summary->median) : std::nullopt;
 }
 
 FigureTable comparison_table(const Cases& cases, const std::vector<ThresholdFit>& fits) {
@@ -85,15 +101,16 @@ FigureTable comparison_table(const Cases& cases, const std::vector<ThresholdFit>
       number(fit.even_mps, 4) + " m/s", "none: evidence");
   add("threshold, 99 % sure", "lost", number(fit.certain_mps, 4) + " m/s", "none");
   add("range", fmt::format("{} to {} m", kPublishedNearest_m, kPublishedFarthest_m),
-      range_of(cases.range, cases.range.thesis), range_of(cases.range, cases.range.standard));
+      depths_of(with_near(cases.range.thesis, cases.near)).text(),
+      depths_of({&cases.range.standard}).text());
   add("time of a pair, 800x600", fmt::format("{} s", kPublishedPair_s),
       milliseconds(pair_ms(cases.moving.thesis)), milliseconds(pair_ms(cases.moving.standard)));
   for (const auto* one : {&cases.still, &cases.moving}) {
     const std::string name = one == &cases.still ? "rig at rest" : "rig moving";
     add(name + ": pairs in which the target was found", "not told", share_found(one->thesis),
         share_found(one->standard));
-    add(name + ": median error of its position", "a picture", median_position(*one, one->thesis),
-        median_position(*one, one->standard));
+    add(name + ": median error of its position", "a picture", median_position(one->thesis),
+        median_position(one->standard));
   }
   return table;
 }
@@ -115,32 +132,114 @@ FigureTable threshold_table(const std::vector<ThresholdFit>& fits) {
 
 FigureTable error_table(const Cases& cases) {
   FigureTable table{"Errors of the target",
-                    {"case", "method", "depth, m", "pairs", "position median, m",
-                     "position rmse, m", "velocity rmse, m/s"},
+                    {"case", "method", "depth, m", "pairs", "position median, m", "ahead, m",
+                     "across, m", "position rmse, m", "velocity rmse, m/s"},
                     {}};
   const auto add = [&](const char* name, const char* method, const Evaluation& evaluation,
                        const char* depth, double from_m, double to_m) {
-    const auto [position, velocity] = errors_of(sightings(evaluation), from_m, to_m);
-    if (!position) return;
-    table.rows.push_back({name, method, depth, std::to_string(position->count),
-                          number(position->median, 3), number(position->rmse, 3),
-                          velocity ? number(velocity->rmse, 3) : "-"});
+    const Errors errors = errors_of(evaluation, from_m, to_m);
+    if (!errors.position_m) return;
+    const auto median = [](const auto& summary) { return number(summary->median, 3); };
+    table.rows.push_back({name, method, depth, std::to_string(errors.position_m->count),
+                          median(errors.position_m), median(errors.ahead_m),
+                          median(errors.across_m), number(errors.position_m->rmse, 3),
+                          number(errors.velocity_mps->rmse, 3)});
   };
   for (const auto* one : {&cases.still, &cases.moving}) {
     const char* name = one == &cases.still ? "rig at rest" : "rig moving";
     for (const auto* evaluation : {&one->thesis, &one->standard}) {
       const char* method = evaluation == &one->thesis ? "thesis" : "default";
       add(name, method, *evaluation, "to 9", 0.0, kErrorsGrow_m);
-      add(name, method, *evaluation, "from 9", kErrorsGrow_m, std::numeric_limits<double>::max());
+      add(name, method, *evaluation, "from 9", kErrorsGrow_m, kAnywhere_m);
     }
   }
   return table;
 }
 
+namespace {
+
+Deviation threshold_deviation(const std::vector<ThresholdFit>& fits) {
+  const ThresholdFit& fit = fits.front();
+  const ThresholdSpread spread = spread_of(fit.labels, kPublishedSamples);
+  const bool within =
+      spread.low_mps <= kPublishedThreshold_mps && kPublishedThreshold_mps <= spread.high_mps;
+  return {
+      fmt::format("The threshold: {} m/s instead of {} m/s.", number(fit.even_mps, 4),
+                  kPublishedThreshold_mps),
+      fmt::format(
+          "The scale of a Rayleigh law is a root mean square, so that a few mismatches of some m/s "
+          "decide it: the median of the points at rest alone would give {:.4f} m/s instead of "
+          "{:.4f} m/s for their scale. The thesis took {} samples of each class. Over {} draws of "
+          "as "
+          "many from ours the threshold lies between {:.3f} and {:.3f} m/s (5 and 95 %; median "
+          "{:.3f}): the published one is {} what the draw alone does. Neither class follows the "
+          "law "
+          "(Kolmogorov-Smirnov distances {:.2f} and {:.2f}): it is that of two components of equal "
+          "spread, while a stereo point errs in three, mostly along the axis, and differently at "
+          "each depth. Samples by RANSAC's word alone, mismatches among the moving ones, come "
+          "nearest to the thesis's (table). The preset keeps the published figure.",
+          median_rayleigh(fit.labels.static_mps), fit.model.classifier.sigma_static_mps,
+          kPublishedSamples, spread.draws, spread.low_mps, spread.high_mps, spread.median_mps,
+          within ? "within" : "outside of", fit.model.distance_static, fit.model.distance_moving)};
+}
+
+Deviation far_deviation(const Cases& cases) {
+  return {
+      "The far end of the range.",
+      fmt::format(
+          "Only outliers of RANSAC may move. The thesis does not tell its gate, the preset has "
+          "LIBVISO's, 2 px: it hides a target whose way between two pairs shows as less, which "
+          "it does from {} on. With a gate of 1 px, and nothing else changed, the target is found "
+          "up to {}; the thesis says {} m. Pairs a second apart sample the depth in steps of "
+          "about 0.7 m there.",
+          metres(depths_of({&cases.range.thesis}).far_m),
+          metres(depths_of({&cases.range_narrow_gate}).far_m), kPublishedFarthest_m)};
+}
+
+Deviation near_deviation(const Cases& cases) {
+  Depths shown;
+  for (const Evaluation& evaluation : cases.near) {
+    for (const Sighting& s : true_sightings(evaluation.truth))
+      shown.near_m = std::min(shown.near_m.value_or(s.depth_m), s.depth_m);
+  }
+  const auto nearest = [](const std::vector<Evaluation>& evaluations) {
+    Depths depths;
+    for (const Evaluation& evaluation : evaluations) depths.take(evaluation);
+    return metres(depths.near_m);
+  };
+  return {
+      "The near end of the range.",
+      fmt::format(
+          "Targets that come near and pass the depths between 1.1 m and {} in steps of 0.1 m are "
+          "found down to {}; the thesis says {} m. The matcher looks for disparities up to 0.4 of "
+          "the image's width; with 0.7 of it, it is {}.",
+          metres(shown.near_m), nearest(cases.near), kPublishedNearest_m,
+          nearest(cases.near_wide_search))};
+}
+
+Deviation time_deviation() {
+  return {"The time of a pair.",
+          "Another machine, ten years on, and other code: the figures do not compare. Ours is the "
+          "median sum of all stages on one thread, images decoded from PNG files included."};
+}
+
+Deviation error_deviation() {
+  return {
+      "The errors of the position.",
+      "Of the thesis's curves only the words survive: no error in x, errors in depth that grow, "
+      "larger ones from about 9 m on, smaller ones when the rig follows. Ours agree but for the "
+      "first: most of the preset's error is across, upwards, and the same at all depths. The "
+      "position is the mean of the points, and they sit on the textured box, above the "
+      "centroid of the target's surface. Along the axis the error is a few centimetres, as "
+      "stereo here matches to a fraction of a pixel. Beyond 9 m the preset does not err more: "
+      "it loses the target, for the reason given for the range."};
+}
+
+}  // namespace
+
 std::vector<Deviation> deviations(const Cases& cases, const std::vector<ThresholdFit>& fits) {
-  (void)cases;
-  (void)fits;
-  return {};
+  return {threshold_deviation(fits), far_deviation(cases), near_deviation(cases), time_deviation(),
+          error_deviation()};
 }
 
 }  // namespace egomod::thesis

@@ -11,6 +11,10 @@ namespace egomod::thesis {
 
 struct Cases {
   Case still, moving, range;
+  // To find out what limits the range: the preset with a gate of RANSAC of 1 px instead of 2 on
+  // `range`; on targets that come near; there with a search for greater disparities.
+  eval::Evaluation range_narrow_gate;
+  std::vector<eval::Evaluation> near, near_wide_search;
 };
 
 // What the thesis says beside what came out here.
@@ -29,7 +33,7 @@ struct Deviation {
 [[nodiscard]] std::vector<Deviation> deviations(const Cases& cases,
                                                 const std::vector<ThresholdFit>& fits);
 
-// Mean time of a pair through all stages; nothing where the record has no timing.
+// Median time of a pair through all stages; nothing where the record has no timing.
 [[nodiscard]] std::optional<double> pair_ms(const eval::Evaluation& evaluation);
 
 }  // namespace egomod::thesis

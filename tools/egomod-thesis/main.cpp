@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "pages.hpp"
 #include "result_file.hpp"
@@ -17,6 +18,7 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::string still, moving, range;
+  std::vector<std::string> near;
   std::string output = "report.html";
   std::string summary;
   std::string pictures;
@@ -32,7 +34,12 @@ void add_options(CLI::App& app, Options& o) {
   };
   add_case("--still", o.still, "the thesis's first case, rig at rest");
   add_case("--moving", o.moving, "its second case, rig moving");
-  add_case("--range", o.range, "a target that goes from close by to far away");
+  add_case("--range", o.range,
+           "a target that goes from close by to far away, and thesis-narrow.lcmlog beside");
+  app.add_option("--near", o.near,
+                 "targets that come near, to find the near end of the range: folders with truth/, "
+                 "thesis.lcmlog and thesis-wide.lcmlog")
+      ->required();
   app.add_option("--output", o.output, "the report, one HTML file")->capture_default_str();
   auto* summary = app.add_option("--summary", o.summary, "the same in short, as Markdown");
   app.add_option("--pictures", o.pictures,
@@ -61,10 +68,22 @@ void write_summary(const Options& options, const Reproduction& reproduction) {
   write(options.summary, markdown_of(reproduction, fs::proximate(options.pictures, from)));
 }
 
+Cases read_cases(const Options& options) {
+  Cases cases{.still = read_case(options.still),
+              .moving = read_case(options.moving),
+              .range = read_case(options.range),
+              .range_narrow_gate = read_thesis_run(options.range, "thesis-narrow"),
+              .near = {},
+              .near_wide_search = {}};
+  for (const std::string& folder : options.near) {
+    cases.near.push_back(read_thesis_run(folder, "thesis"));
+    cases.near_wide_search.push_back(read_thesis_run(folder, "thesis-wide"));
+  }
+  return cases;
+}
+
 void run(const Options& options) {
-  Reproduction reproduction{.cases = {.still = read_case(options.still),
-                                      .moving = read_case(options.moving),
-                                      .range = read_case(options.range)},
+  Reproduction reproduction{.cases = read_cases(options),
                             .fits = fit_thresholds({options.still, options.moving}),
                             .pictures = {}};
   const Cases& cases = reproduction.cases;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <random>
+#include <span>
 
 #include "record_labels.hpp"
 
@@ -28,13 +29,13 @@ fit::Labels labels_of(const std::vector<std::string>& folders, fit::PointChoice 
   return all;
 }
 
-std::vector<double> drawn(std::vector<double> values, std::size_t most) {
-  std::mt19937 generator;  // NOLINT(bugprone-random-generator-seed): always the same
-  for (std::size_t i = 0; i + 1 < values.size() && i < most; ++i) {
+// The first of `values` after a shuffle of as many.
+std::span<const double> draw(std::vector<double>& values, std::size_t samples,
+                             std::mt19937& generator) {
+  const std::size_t count = std::min(values.size(), samples);
+  for (std::size_t i = 0; i < count; ++i)
     std::swap(values[i], values[i + generator() % (values.size() - i)]);
-  }
-  values.resize(std::min(values.size(), most));
-  return values;
+  return {values.data(), count};
 }
 
 ThresholdFit fitted(std::string samples, fit::Labels labels) {
@@ -55,15 +56,31 @@ ThresholdFit fitted(std::string samples, fit::Labels labels) {
 
 }  // namespace
 
-fit::Labels drawn(const fit::Labels& labels, std::size_t most) {
-  return {drawn(labels.static_mps, most), drawn(labels.moving_mps, most)};
+ThresholdSpread spread_of(const fit::Labels& labels, std::size_t samples) {
+  constexpr int kDraws = 1000;
+  std::mt19937 generator;  // NOLINT: always the same draws
+  fit::Labels left = labels;
+  std::vector<double> thresholds_mps;
+  for (int i = 0; i < kDraws; ++i) {
+    const RayleighClassifier model{fit_rayleigh(draw(left.static_mps, samples, generator)),
+                                   fit_rayleigh(draw(left.moving_mps, samples, generator)), kEven};
+    if (const auto threshold = speed_threshold(model, kEven)) thresholds_mps.push_back(*threshold);
+  }
+  std::sort(thresholds_mps.begin(), thresholds_mps.end());
+  if (thresholds_mps.empty()) return {};
+  const auto below = [&](double share) {
+    return thresholds_mps[static_cast<std::size_t>(share *
+                                                   static_cast<double>(thresholds_mps.size() - 1))];
+  };
+  return {.draws = static_cast<int>(thresholds_mps.size()),
+          .low_mps = below(0.05),
+          .median_mps = below(0.5),
+          .high_mps = below(0.95)};
 }
 
 std::vector<ThresholdFit> fit_thresholds(const std::vector<std::string>& folders) {
-  const fit::Labels agreed = labels_of(folders, fit::PointChoice::kRansac);
-  return {fitted("RANSAC's inliers that rest and outliers that move, 450 of each",
-                 drawn(agreed, kPublishedSamples)),
-          fitted("the same, all of them", agreed),
+  return {fitted("RANSAC's inliers that rest and outliers that move",
+                 labels_of(folders, fit::PointChoice::kRansac)),
           fitted("RANSAC's inliers and outliers, wherever they lie",
                  labels_of(folders, fit::PointChoice::kRoles)),
           fitted("all points, by the truth", labels_of(folders, fit::PointChoice::kAll))};

@@ -25,10 +25,16 @@ struct ThresholdFit {
   std::optional<double> certain_mps;  // where motion is 99 % probable
 };
 
-// From the thesis's runs in these folders. The first is the published one: RANSAC's inliers that
-// rest and its outliers that move, as many as the thesis took, drawn at random, always the same.
+// From the thesis's runs in these folders. The first are the thesis's samples, but all that there
+// are: RANSAC's inliers that rest and its outliers that move.
 [[nodiscard]] std::vector<ThresholdFit> fit_thresholds(const std::vector<std::string>& folders);
-// At most so many of each class, drawn at random, always the same.
-[[nodiscard]] fit::Labels drawn(const fit::Labels& labels, std::size_t most);
+
+// The 50 % threshold if only so many of each class are drawn at random, over many such draws;
+// always the same.
+struct ThresholdSpread {
+  int draws = 0;
+  double low_mps = 0.0, median_mps = 0.0, high_mps = 0.0;  // 5, 50 and 95 % of the draws are below
+};
+[[nodiscard]] ThresholdSpread spread_of(const fit::Labels& labels, std::size_t samples);
 
 }  // namespace egomod::thesis
