@@ -2,7 +2,6 @@
 #include "cases.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <limits>
 
@@ -118,8 +117,9 @@ std::vector<Sighting> sightings(const eval::Evaluation& evaluation) {
     all.back().depth_m = m.truth.surface_m.z();
     const Eigen::Vector3d error_m = m.estimate.position_m - m.truth.surface_m;
     all.back().position_error_m = error_m.norm();
-    all.back().ahead_error_m = std::abs(error_m.z());
-    all.back().across_error_m = error_m.head<2>().norm();
+    all.back().right_error_m = error_m.x();
+    all.back().up_error_m = -error_m.y();
+    all.back().ahead_error_m = error_m.z();
     all.back().velocity_error_mps = (m.estimate.velocity_mps - m.truth.velocity_mps).norm();
   }
   return all;

@@ -33,7 +33,7 @@ struct Sighting {
   Eigen::Vector3d velocity_mps{0.0, 0.0, 0.0};
   double left_m = 0.0, right_m = 0.0;  // the rectangle's sides, at the position's depth
   double position_error_m = 0.0;
-  double ahead_error_m = 0.0, across_error_m = 0.0;  // of it, along the axis and across
+  double right_error_m = 0.0, up_error_m = 0.0, ahead_error_m = 0.0;  // its parts, with their sign
   double velocity_error_mps = 0.0;
 };
 

@@ -87,8 +87,8 @@ void run(const Options& options) {
                             .fits = fit_thresholds({options.still, options.moving}),
                             .pictures = {}};
   const Cases& cases = reproduction.cases;
-  reproduction.pictures =
-      draw_pictures(reproduction.fits.front(), cases.still, cases.moving, cases.range);
+  reproduction.pictures = draw_pictures(reproduction.fits.front(), cases.still, cases.moving,
+                                        cases.range, cases.range_narrow_gate);
   write(options.output, html_of(reproduction));
   if (!options.summary.empty()) write_summary(options, reproduction);
   std::printf("%s", eval::text_of(comparison_table(cases, reproduction.fits)).c_str());

@@ -138,18 +138,21 @@ std::vector<int> frames_of(const eval::Evaluation& evaluation) {
   return frames;
 }
 
-Figure range_of(const Case& one) {
+Figure range_of(const Case& one, const eval::Evaluation& narrow) {
   return {
-      "Range: share of the pairs in which the target was found, by its depth",
+      "Range: share of the pairs in which a target that drives away was found, by its depth",
       found_by_depth("thesis", one.thesis, frames_of(one.thesis)) +
+          found_by_depth("narrow", narrow, frames_of(narrow)) +
           found_by_depth("standard", one.standard, frames_of(one.standard)) +
           fmt::format("set xlabel 'depth [m]'\nset ylabel 'share found'\nset yrange [0:1.1]\n"
-                      "set xrange [0:*]\nset key bottom left\n"
+                      "set xrange [0:*]\nset key bottom center\n"
                       "set arrow from {0},0 to {0},1.1 nohead dt 2 lc rgb '#57606a'\n"
                       "set arrow from {1},0 to {1},1.1 nohead dt 2 lc rgb '#57606a'\n"
                       "set label '{0} m' at {0},1.05 offset 0.5,0\n"
                       "set label 'published: {1} m' at {1},1.05 right offset -0.5,0\n"
                       "plot $standard using 1:2 with lines lw 2 lc rgb '#1f6feb' title 'default', "
+                      "$narrow using 1:2 with lines lw 2 dt 2 lc rgb '#2a8a4a' "
+                      "title 'thesis, gate of 1 px', "
                       "$thesis using 1:2 with lines lw 2 lc rgb '#d1570b' title 'thesis'\n",
                       kPublishedNearest_m, kPublishedFarthest_m)};
 }
@@ -175,7 +178,7 @@ std::vector<std::pair<std::string, const eval::Plot*>> Pictures::all() const {
 }
 
 Pictures draw_pictures(const ThresholdFit& decision, const Case& still, const Case& moving,
-                       const Case& range) {
+                       const Case& range, const eval::Evaluation& range_narrow_gate) {
   Pictures pictures;
   pictures.decision = decision_of(decision);
   pictures.still = eval::draw({positions("Figure 6: the target's position, rig at rest", still),
@@ -185,7 +188,7 @@ Pictures draw_pictures(const ThresholdFit& decision, const Case& still, const Ca
       eval::draw({positions("Figure 9: the target's position, rig moving", moving),
                   velocities("Figure 10: speed of target and rig, rig moving", moving),
                   errors("Figure 11: error of the position, rig moving", moving)});
-  pictures.range = eval::draw({range_of(range)}).front();
+  pictures.range = eval::draw({range_of(range, range_narrow_gate)}).front();
   return pictures;
 }
 

@@ -23,6 +23,7 @@ struct Pictures {
 
 // Throws gnuplot::GnuplotError.
 [[nodiscard]] Pictures draw_pictures(const ThresholdFit& decision, const Case& still,
-                                     const Case& moving, const Case& range);
+                                     const Case& moving, const Case& range,
+                                     const eval::Evaluation& range_narrow_gate);
 
 }  // namespace egomod::thesis
