@@ -66,6 +66,8 @@ TEST(Detection, CountsAreWorkedOutByHand) {
   EXPECT_NEAR(figures.delay_s->mean, 1.5, kExact);
   EXPECT_NEAR(figures.position_m->median, 0.5, kExact);
   EXPECT_NEAR(figures.position_percent->median, 10.0, kExact);
+  EXPECT_NEAR(figures.position_to_centre_m->median, std::hypot(0.3, 0.2), kExact);
+  EXPECT_FALSE(figures.time_mismatch_s);  // none of them has a time
   EXPECT_NEAR(figures.velocity_mps->rmse, 0.2, kExact);
   EXPECT_NEAR(figures.speed_mps->median, std::sqrt(1.04) - 1.0, kExact);
   EXPECT_NEAR(figures.velocity_bias_mps->z(), 0.2, kExact);

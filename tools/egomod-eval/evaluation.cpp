@@ -60,9 +60,9 @@ void note_gaps(const Run& run, Evaluation& e) {
     e.notes.push_back(std::to_string(e.detection->rows_outside) +
                       " objects lie behind the end of the sequence: is this its truth?");
   }
-  if (e.detection && e.detection->time_mismatch_s > kTimeTolerance_s) {
+  if (e.detection && e.detection->time_mismatch_s.value_or(0.0) > kTimeTolerance_s) {
     e.notes.push_back("Times of objects differ from times.txt by up to " +
-                      std::to_string(e.detection->time_mismatch_s) + " s: frames shifted?");
+                      std::to_string(*e.detection->time_mismatch_s) + " s: frames shifted?");
   }
 }
 

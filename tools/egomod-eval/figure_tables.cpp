@@ -103,6 +103,7 @@ FigureTable object_error_table(const DetectionFigures& d) {
        summary_row("position, % of depth", d.position_percent, 2),
        summary_row("  along the depth axis, m", d.position_axial_m, 3),
        summary_row("  lateral, m", d.position_lateral_m, 3),
+       summary_row("  to the box's centre, m", d.position_to_centre_m, 3),
        summary_row("velocity, m/s", d.velocity_mps, 3), summary_row("speed, m/s", d.speed_mps, 3)}};
 }
 
