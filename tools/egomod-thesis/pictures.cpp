@@ -102,7 +102,7 @@ Figure errors(const char* caption, const Case& one) {
   return {caption, block("thesis", sightings(one.thesis), error) +
                        block("standard", sightings(one.standard), error) +
                        fmt::format("set xlabel 'time [s]'\nset ylabel 'position error [m]'\n"
-                                   "set yrange [0:*]\nset key top left\n"
+                                   "set yrange [0:*]\nset key above\n"
                                    "plot $standard using 1:2 {} title 'default', "
                                    "$thesis using 1:2 {} title 'thesis'\n",
                                    kStandard, kThesis)};
@@ -145,7 +145,7 @@ Figure range_of(const Case& one, const eval::Evaluation& narrow) {
           found_by_depth("narrow", narrow, frames_of(narrow)) +
           found_by_depth("standard", one.standard, frames_of(one.standard)) +
           fmt::format("set xlabel 'depth [m]'\nset ylabel 'share found'\nset yrange [0:1.1]\n"
-                      "set xrange [0:*]\nset key bottom center\n"
+                      "set xrange [0:*]\nset key above\n"
                       "set arrow from {0},0 to {0},1.1 nohead dt 2 lc rgb '#57606a'\n"
                       "set arrow from {1},0 to {1},1.1 nohead dt 2 lc rgb '#57606a'\n"
                       "set label '{0} m' at {0},1.05 offset 0.5,0\n"
