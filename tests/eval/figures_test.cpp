@@ -179,20 +179,21 @@ Evaluation run_of(const char* world, const char* method, double precision) {
   return e;
 }
 
-TEST(Tables, OfMethodsHaveARowARunAndTheMeansOfEachMethod) {
+TEST(Tables, OfMethodsHaveARowARunAndMeanAndMedianOfEachMethod) {
   const FigureTable table =
       method_table({run_of("hall", "default", 1.0), run_of("hall", "thesis", 0.5),
                     run_of("yard", "default", 0.75)});
   const auto column = std::find(table.header.begin(), table.header.end(), "precision");
   ASSERT_NE(column, table.header.end());
   const auto at = static_cast<std::size_t>(column - table.header.begin());
-  ASSERT_EQ(table.rows.size(), 5U);
+  ASSERT_EQ(table.rows.size(), 7U);
   for (const auto& row : table.rows) ASSERT_EQ(row.size(), table.header.size());
   EXPECT_EQ(table.rows[0][0], "hall");
   EXPECT_EQ(table.rows[1][at], "0.500");
   EXPECT_EQ(table.rows[3][1], "default");
   EXPECT_EQ(table.rows[3][at], "0.875");
-  EXPECT_EQ(table.rows[4][at], "0.500");
+  EXPECT_EQ(table.rows[4][0], "median");
+  EXPECT_EQ(table.rows[5][at], "0.500");
 }
 
 TEST(Tables, AreMarkdownForDocuments) {

@@ -262,8 +262,9 @@ void append_figures(const std::vector<Headline>& columns, const Evaluation& e,
 }
 
 // Of the runs of one method; the empty one is any.
-void append_means(const std::vector<Headline>& columns, const std::vector<Evaluation>& evaluations,
-                  const std::string& method, std::vector<std::string>& row) {
+void append_middle(const std::vector<Headline>& columns, const std::vector<Evaluation>& evaluations,
+                   const std::string& method, double Summary::*middle,
+                   std::vector<std::string>& row) {
   for (const Headline& column : columns) {
     std::vector<double> known;
     for (const Evaluation& e : evaluations) {
@@ -271,7 +272,7 @@ void append_means(const std::vector<Headline>& columns, const std::vector<Evalua
       if (const auto value = column.of(e)) known.push_back(*value);
     }
     const auto summary = summarise(known);
-    row.push_back(number(summary ? std::optional(summary->mean) : std::nullopt,
+    row.push_back(number(summary ? std::optional((*summary).*middle) : std::nullopt,
                          std::max(column.decimals, 1)));
   }
 }
@@ -309,7 +310,7 @@ FigureTable overview(const std::vector<Evaluation>& evaluations) {
   }
   if (evaluations.size() > 1) {
     table.rows.push_back({"mean"});
-    append_means(columns, evaluations, "", table.rows.back());
+    append_middle(columns, evaluations, "", &Summary::mean, table.rows.back());
   }
   return table;
 }
@@ -329,7 +330,9 @@ FigureTable method_table(const std::vector<Evaluation>& evaluations) {
   }
   for (const std::string& method : methods) {
     table.rows.push_back({"mean", method, ""});
-    append_means(columns, evaluations, method, table.rows.back());
+    append_middle(columns, evaluations, method, &Summary::mean, table.rows.back());
+    table.rows.push_back({"median", method, ""});
+    append_middle(columns, evaluations, method, &Summary::median, table.rows.back());
   }
   return table;
 }

@@ -18,7 +18,7 @@ struct FigureTable {
 [[nodiscard]] std::vector<FigureTable> figure_tables(const Evaluation& evaluation);
 // One row a run, and the mean where there are several.
 [[nodiscard]] FigureTable overview(const std::vector<Evaluation>& evaluations);
-// One row a run, for docs: what a reader asks first, and the means of each method at the end.
+// One row a run, for docs: what a reader asks first, and mean and median of each method at the end.
 [[nodiscard]] FigureTable method_table(const std::vector<Evaluation>& evaluations);
 // The figures of the overview, of one run, in a list.
 [[nodiscard]] FigureTable headlines(const Evaluation& evaluation);
