@@ -66,6 +66,8 @@ TEST(Detection, CountsAreWorkedOutByHand) {
   EXPECT_NEAR(figures.delay_s->mean, 1.5, kExact);
   EXPECT_NEAR(figures.position_m->median, 0.5, kExact);
   EXPECT_NEAR(figures.position_percent->median, 10.0, kExact);
+  EXPECT_NEAR(figures.position_to_centre_m->median, std::hypot(0.3, 0.2), kExact);
+  EXPECT_FALSE(figures.time_mismatch_s);  // none of them has a time
   EXPECT_NEAR(figures.velocity_mps->rmse, 0.2, kExact);
   EXPECT_NEAR(figures.speed_mps->median, std::sqrt(1.04) - 1.0, kExact);
   EXPECT_NEAR(figures.velocity_bias_mps->z(), 0.2, kExact);
@@ -123,6 +125,18 @@ TEST(Detection, TheLeastSpeedIsThatOfTheDefinition) {
   const double sigma_m = 5.0 * 0.25 / std::sqrt(2.0) / 500.0;
   const double expected = std::hypot(0.05, 2.5 * sigma_m * std::sqrt(12.0 / 990.0) * 10.0);
   EXPECT_NEAR(v90_mps(one_mover().objects->at(0).front(), 10.0, 500.0, 0.4), expected, kExact);
+}
+
+// A run that took pairs 0, 5, 10, ... is scored as one of a sequence of those.
+TEST(Detection, OfChosenFramesIsThatOfTheirRate) {
+  std::vector<int> taken;
+  for (int frame = 0; frame < 31; frame += 5) taken.push_back(frame);
+  const DetectionFigures chosen = score_detection(one_mover(), from_frame(0), {.only = taken});
+  const DetectionFigures every = score_detection(one_mover(), from_frame(0), {.every = 5});
+  EXPECT_EQ(chosen.frames, 6);
+  EXPECT_EQ(chosen.tp, every.tp);
+  EXPECT_EQ(chosen.fn, 0);
+  EXPECT_NEAR(chosen.duration_s, every.duration_s, kExact);
 }
 
 }  // namespace

@@ -168,5 +168,38 @@ TEST(Tables, AlignTheirColumns) {
             "T\n        n\n  a     1\n  bcd  22\n");
 }
 
+Evaluation run_of(const char* world, const char* method, double precision) {
+  Evaluation e;
+  e.name = world;
+  e.method = method;
+  e.truth = standing(5);  // 2 Hz
+  e.detection.emplace();
+  e.detection->precision = precision;
+  e.detection->duration_s = 2.5;
+  return e;
+}
+
+TEST(Tables, OfMethodsHaveARowARunAndMeanAndMedianOfEachMethod) {
+  const FigureTable table =
+      method_table({run_of("hall", "default", 1.0), run_of("hall", "thesis", 0.5),
+                    run_of("yard", "default", 0.75)});
+  const auto column = std::find(table.header.begin(), table.header.end(), "precision");
+  ASSERT_NE(column, table.header.end());
+  const auto at = static_cast<std::size_t>(column - table.header.begin());
+  ASSERT_EQ(table.rows.size(), 7U);
+  for (const auto& row : table.rows) ASSERT_EQ(row.size(), table.header.size());
+  EXPECT_EQ(table.rows[0][0], "hall");
+  EXPECT_EQ(table.rows[1][at], "0.500");
+  EXPECT_EQ(table.rows[3][1], "default");
+  EXPECT_EQ(table.rows[3][at], "0.875");
+  EXPECT_EQ(table.rows[4][0], "median");
+  EXPECT_EQ(table.rows[5][at], "0.500");
+}
+
+TEST(Tables, AreMarkdownForDocuments) {
+  EXPECT_EQ(markdown_of({"", {"a", "b"}, {{"x", "1"}, {"y", "2"}}}),
+            "| a | b |\n| --- | --: |\n| x | 1 |\n| y | 2 |\n");
+}
+
 }  // namespace
 }  // namespace egomod::eval

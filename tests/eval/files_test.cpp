@@ -102,7 +102,8 @@ TEST_F(Files, ReportsHoldTheFiguresOfAllRuns) {
                       .truth = folder_.path(),
                       .estimate = file,
                       .kind = EstimateKind::kPoses,
-                      .format = PoseFormat::kKitti};
+                      .format = PoseFormat::kKitti,
+                      .method = ""};
   const Evaluation evaluation = evaluate(run, {});
   EXPECT_THAT(json_of({evaluation}), HasSubstr("\"path_m\": 0"));
   const std::string html = html_report({evaluation, evaluation}).text;

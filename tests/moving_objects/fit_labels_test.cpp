@@ -121,6 +121,37 @@ TEST_F(FitLabels, RecordIsLabelledByTheTruthsRectanglesAndDepths) {
   EXPECT_EQ(damage, "");
 }
 
+TEST_F(FitLabels, RansacMustAgreeOrDecidesAloneWhereThatIsAskedFor) {
+  file("objects.csv", "frame,cz,bz,u_min,v_min,u_max,v_max,moving\n4,3.9,4.1,100,100,200,200,1\n");
+  calibration_t calibration{};
+  calibration.fx = 500.0;
+  calibration.baseline = 0.4;
+  track_list_t list{};
+  list.sequence = 4;
+  const auto add = [&](float u, float speed_mps, std::int8_t role) {
+    list.tracks.push_back(track(u, 150, 50.0F, speed_mps));
+    list.tracks.back().role = role;
+  };
+  add(150, 0.5F, track_t::ROLE_OUTLIER);  // moves, and RANSAC says so
+  add(150, 0.25F, track_t::ROLE_INLIER);  // moves, too slowly for RANSAC
+  add(50, 0.125F, track_t::ROLE_INLIER);  // rests
+  add(50, 2.0F, track_t::ROLE_OUTLIER);   // a mismatch
+  add(50, 0.0625F, track_t::ROLE_UNUSED);
+  list.n_tracks = static_cast<std::int32_t>(list.tracks.size());
+  {
+    lcm::LogFile log(folder / "log", "w");
+    append(log, "EGOMOD_CALIBRATION", calibration);
+    append(log, "EGOMOD_TRACKS", list);
+  }
+  const Labels agreed = label_record(folder / "log", folder, PointChoice::kRansac).labels;
+  EXPECT_THAT(agreed.moving_mps, ElementsAre(0.5));
+  EXPECT_THAT(agreed.static_mps, ElementsAre(0.125));
+  const Labels roles = label_record(folder / "log", "no truth", PointChoice::kRoles).labels;
+  EXPECT_THAT(roles.moving_mps, ElementsAre(0.5, 2.0));
+  EXPECT_THAT(roles.static_mps, ElementsAre(0.25, 0.125));
+  EXPECT_EQ(label_record(folder / "log", folder).labels.static_mps.size(), 3U);
+}
+
 TEST_F(FitLabels, TheWholePartOfATruncatedRecordIsUsedAndTheDamageTold) {
   file("objects.csv", "frame,cz,bz,u_min,v_min,u_max,v_max,moving\n");
   track_list_t list{};

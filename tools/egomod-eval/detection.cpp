@@ -72,7 +72,7 @@ class Tally {
         counted_(counted_frames(truth.frames(), options)),
         duties_(duties(truth, counted_, options)) {
     figures_.frames = std::max(1, static_cast<int>(counted_.size()));
-    figures_.duration_s = figures_.frames * options.every / truth.rate_hz();
+    figures_.duration_s = figures_.frames / counted_rate_hz(truth, options);
   }
 
   DetectionFigures run() {
@@ -95,7 +95,7 @@ class Tally {
       for (const Detection& row : rows) {
         const double off_s = std::abs(row.time_s - truth_.times_s[static_cast<std::size_t>(frame)]);
         if (std::isfinite(off_s))
-          figures_.time_mismatch_s = std::max(figures_.time_mismatch_s, off_s);
+          figures_.time_mismatch_s = std::max(figures_.time_mismatch_s.value_or(0.0), off_s);
       }
     }
   }
@@ -215,6 +215,8 @@ class Tally {
         over([](const Match& m) { return 100.0 * position_error(m) / m.truth.surface_m.z(); });
     f.position_axial_m = over([](const Match& m) { return std::abs(offset(m).z()); });
     f.position_lateral_m = over([](const Match& m) { return offset(m).head<2>().norm(); });
+    f.position_to_centre_m =
+        over([](const Match& m) { return (m.estimate.position_m - m.truth.centre_m).norm(); });
     f.velocity_mps = over(velocity_error);
     f.speed_mps = over(speed_error);
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();

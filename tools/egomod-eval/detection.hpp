@@ -17,6 +17,8 @@ struct DetectionOptions {
   double v90_factor = 1.5;    // qualifies from this many times v90 on; 0: whatever moves
   int first_frame = 1;        // motion takes two pairs
   int every = 1;              // only frames divisible by this count
+  // Ascending; only these frames, at the rate that they come at. Nothing: all.
+  std::optional<std::vector<int>> only = std::nullopt;
 };
 
 // What an estimate that lies on a true object is worth.
@@ -56,7 +58,7 @@ struct DetectionFigures {
   int frames = 0;
   double duration_s = 0.0;
   int rows_outside = 0;
-  double time_mismatch_s = 0.0;
+  std::optional<double> time_mismatch_s;  // nothing: no time to compare
   int tp = 0, fp = 0, fn = 0;
   int duplicates = 0;
   int fp_on_still = 0;
@@ -65,6 +67,7 @@ struct DetectionFigures {
   double false_per_pair = 0.0;
   double false_per_minute = 0.0;
   std::optional<Summary> position_m, position_percent, position_axial_m, position_lateral_m;
+  std::optional<Summary> position_to_centre_m;  // of the box, not of the visible surface
   std::optional<Summary> velocity_mps, speed_mps;
   std::optional<Eigen::Vector3d> velocity_bias_mps;
   std::optional<double> min_depth_m, max_depth_m, max_depth_any_m;

@@ -13,7 +13,7 @@ constexpr double kTimeSlack_s = 1e-9;
 class DutyRoster {
  public:
   DutyRoster(const Truth& truth, const DetectionOptions& options)
-      : truth_(truth), options_(options), rate_hz_(truth.rate_hz() / options.every) {}
+      : truth_(truth), options_(options), rate_hz_(counted_rate_hz(truth, options)) {}
 
   Duty next(const TruthObject& object) {
     if (object.moving) moved_s_[object.id] = object.time_s;
@@ -70,9 +70,20 @@ double v90_mps(const TruthObject& object, double rate_hz, double focal_px, doubl
 std::vector<int> counted_frames(int frames, const DetectionOptions& options) {
   std::vector<int> counted;
   for (int frame = options.first_frame; frame < frames; ++frame) {
-    if (frame % options.every == 0) counted.push_back(frame);
+    if (frame % options.every != 0) continue;
+    if (!options.only || std::binary_search(options.only->begin(), options.only->end(), frame))
+      counted.push_back(frame);
   }
   return counted;
+}
+
+double counted_rate_hz(const Truth& truth, const DetectionOptions& options) {
+  if (!options.only) return truth.rate_hz() / options.every;
+  const std::vector<int> counted = counted_frames(truth.frames(), options);
+  if (counted.size() < 2) return truth.rate_hz();
+  const auto time_s = [&](int frame) { return truth.times_s[static_cast<std::size_t>(frame)]; };
+  return static_cast<double>(counted.size() - 1) /
+         (time_s(counted.back()) - time_s(counted.front()));
 }
 
 std::map<int, std::vector<Duty>> duties(const Truth& truth, const std::vector<int>& counted,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "evaluation.hpp"
 
+#include <algorithm>
 #include <string>
 
 #include "record_truth.hpp"
@@ -10,6 +11,14 @@ namespace egomod::eval {
 namespace {
 
 constexpr double kTimeTolerance_s = 1e-3;
+
+// A run at a lower rate than its truth's answers for the pairs that it took.
+void keep_processed(const std::vector<int>& processed, Evaluation& e, DetectionOptions& options) {
+  options.only = processed;
+  std::erase_if(e.estimate.poses, [&](const NumberedPose& pose) {
+    return !std::binary_search(processed.begin(), processed.end(), pose.frame);
+  });
+}
 
 void score_estimate(const Run& run, const DetectionOptions& options, Evaluation& e) {
   if (!e.estimate.poses.empty() && !e.truth.poses.empty())
@@ -36,14 +45,14 @@ void score_record(const Record& record, const DetectionOptions& options, Evaluat
     e.notes.push_back("The record holds no EGOMOD_TIMING (--record-timing): no latency.");
 }
 
-void note_gaps(Evaluation& e) {
+void note_gaps(const Run& run, Evaluation& e) {
   if (e.truth.poses.empty()) e.notes.push_back("The truth has no poses.txt: odometry not scored.");
   if (e.estimate.poses.empty()) e.notes.push_back("No poses to score.");
   if (e.estimate.detections && !e.truth.objects)
     e.notes.push_back("The truth has no objects.csv: detection not scored.");
   if (e.odometry && !e.odometry->finite)
     e.notes.push_back("Some poses are not finite; they were left out.");
-  if (e.odometry && e.odometry->frames < e.odometry->truth_frames) {
+  if (e.odometry && e.odometry->frames < e.odometry->truth_frames && !run.processed_only) {
     e.notes.push_back("Poses for " + std::to_string(e.odometry->frames) + " of " +
                       std::to_string(e.odometry->truth_frames) + " frames.");
   }
@@ -51,22 +60,24 @@ void note_gaps(Evaluation& e) {
     e.notes.push_back(std::to_string(e.detection->rows_outside) +
                       " objects lie behind the end of the sequence: is this its truth?");
   }
-  if (e.detection && e.detection->time_mismatch_s > kTimeTolerance_s) {
+  if (e.detection && e.detection->time_mismatch_s.value_or(0.0) > kTimeTolerance_s) {
     e.notes.push_back("Times of objects differ from times.txt by up to " +
-                      std::to_string(e.detection->time_mismatch_s) + " s: frames shifted?");
+                      std::to_string(*e.detection->time_mismatch_s) + " s: frames shifted?");
   }
 }
 
 }  // namespace
 
-Evaluation evaluate(const Run& run, const DetectionOptions& options) {
+Evaluation evaluate(const Run& run, DetectionOptions options) {
   Evaluation e;
+  e.method = run.method;
   e.truth = run.truth.empty() ? read_truth_of_record(run.estimate) : read_truth(run.truth);
   e.name = run.name.empty() ? e.truth.name : run.name;
   e.source = run.estimate;
   if (run.kind == EstimateKind::kRecord) {
     const Record record = read_record(run.estimate);
     e.estimate = record.estimate;
+    if (run.processed_only) keep_processed(record.processed, e, options);
     score_estimate(run, options, e);
     score_record(record, options, e);
   } else {
@@ -77,7 +88,7 @@ Evaluation evaluate(const Run& run, const DetectionOptions& options) {
                                 .stage_ms = {}};
     score_estimate(run, options, e);
   }
-  note_gaps(e);
+  note_gaps(run, e);
   return e;
 }
 

@@ -18,11 +18,14 @@ struct Run {
   std::string estimate;
   EstimateKind kind = EstimateKind::kRecord;
   PoseFormat format = PoseFormat::kKitti;
+  std::string method;           // a label, for tables of several runs
+  bool processed_only = false;  // count only the pairs that a record has a list of objects of
 };
 
 struct Evaluation {
   std::string name;
   std::string source;  // what was evaluated
+  std::string method;
   Truth truth;
   Estimate estimate;
   std::optional<OdometryFigures> odometry;
@@ -34,6 +37,6 @@ struct Evaluation {
 };
 
 // Throws an exception that names file and place.
-[[nodiscard]] Evaluation evaluate(const Run& run, const DetectionOptions& options);
+[[nodiscard]] Evaluation evaluate(const Run& run, DetectionOptions options);
 
 }  // namespace egomod::eval

@@ -2,6 +2,7 @@
 #include "figure_tables.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -102,6 +103,7 @@ FigureTable object_error_table(const DetectionFigures& d) {
        summary_row("position, % of depth", d.position_percent, 2),
        summary_row("  along the depth axis, m", d.position_axial_m, 3),
        summary_row("  lateral, m", d.position_lateral_m, 3),
+       summary_row("  to the box's centre, m", d.position_to_centre_m, 3),
        summary_row("velocity, m/s", d.velocity_mps, 3), summary_row("speed, m/s", d.speed_mps, 3)}};
 }
 
@@ -186,6 +188,7 @@ struct Headline {
   std::string title;
   int decimals;
   std::optional<double> (*of)(const Evaluation& e);
+  bool in_method_table = false;
 };
 
 template <typename Holder, typename Value>
@@ -200,7 +203,8 @@ std::vector<Headline> headline_columns() {
        [](E e) {
          return e.odometry ? from(e.odometry->drift, [](auto& d) { return d.translation_percent; })
                            : std::nullopt;
-       }},
+       },
+       true},
       {"deg/m", 4,
        [](E e) {
          return e.odometry ? from(e.odometry->drift, [](auto& d) { return d.rotation_deg_per_m; })
@@ -218,12 +222,14 @@ std::vector<Headline> headline_columns() {
          return e.consistency
                     ? from(e.consistency->second_by_pose, [](auto& c) { return c.mean_per_dof; })
                     : std::nullopt;
-       }},
-      {"precision", 3, [](E e) { return e.detection ? e.detection->precision : std::nullopt; }},
-      {"recall", 3, [](E e) { return e.detection ? e.detection->recall : std::nullopt; }},
-      {"F1", 3, [](E e) { return e.detection ? e.detection->f1 : std::nullopt; }},
+       },
+       true},
+      {"precision", 3, [](E e) { return e.detection ? e.detection->precision : std::nullopt; },
+       true},
+      {"recall", 3, [](E e) { return e.detection ? e.detection->recall : std::nullopt; }, true},
+      {"F1", 3, [](E e) { return e.detection ? e.detection->f1 : std::nullopt; }, true},
       {"false/min", 2,
-       [](E e) { return from(e.detection, [](auto& d) { return d.false_per_minute; }); }},
+       [](E e) { return from(e.detection, [](auto& d) { return d.false_per_minute; }); }, true},
       {"position, m", 3,
        [](E e) {
          return e.detection ? from(e.detection->position_m, [](auto& s) { return s.median; })
@@ -233,18 +239,42 @@ std::vector<Headline> headline_columns() {
        [](E e) {
          return e.detection ? from(e.detection->velocity_mps, [](auto& s) { return s.rmse; })
                             : std::nullopt;
-       }},
+       },
+       true},
       {"range, m", 1, [](E e) { return e.detection ? e.detection->max_depth_m : std::nullopt; }},
       {"delay, s", 3,
        [](E e) {
          return e.detection ? from(e.detection->delay_s, [](auto& s) { return s.mean; })
                             : std::nullopt;
-       }},
+       },
+       true},
       {"switches", 0,
        [](E e) {
          return from(e.detection, [](auto& d) { return static_cast<double>(d.switches); });
-       }},
+       },
+       true},
   };
+}
+
+void append_figures(const std::vector<Headline>& columns, const Evaluation& e,
+                    std::vector<std::string>& row) {
+  for (const Headline& column : columns) row.push_back(number(column.of(e), column.decimals));
+}
+
+// Of the runs of one method; the empty one is any.
+void append_middle(const std::vector<Headline>& columns, const std::vector<Evaluation>& evaluations,
+                   const std::string& method, double Summary::*middle,
+                   std::vector<std::string>& row) {
+  for (const Headline& column : columns) {
+    std::vector<double> known;
+    for (const Evaluation& e : evaluations) {
+      if (!method.empty() && e.method != method) continue;
+      if (const auto value = column.of(e)) known.push_back(*value);
+    }
+    const auto summary = summarise(known);
+    row.push_back(number(summary ? std::optional((*summary).*middle) : std::nullopt,
+                         std::max(column.decimals, 1)));
+  }
 }
 
 }  // namespace
@@ -274,22 +304,36 @@ FigureTable overview(const std::vector<Evaluation>& evaluations) {
   const std::vector<Headline> columns = headline_columns();
   FigureTable table{"Overview", {"sequence"}, {}};
   for (const Headline& column : columns) table.header.push_back(column.title);
-  std::vector<std::string> means{"mean"};
   for (const Evaluation& e : evaluations) {
     table.rows.push_back({e.name});
-    for (const Headline& column : columns)
-      table.rows.back().push_back(number(column.of(e), column.decimals));
+    append_figures(columns, e, table.rows.back());
   }
-  for (const Headline& column : columns) {
-    std::vector<double> known;
-    for (const Evaluation& e : evaluations) {
-      if (const auto value = column.of(e)) known.push_back(*value);
-    }
-    const auto summary = summarise(known);
-    means.push_back(number(summary ? std::optional(summary->mean) : std::nullopt,
-                           std::max(column.decimals, 1)));
+  if (evaluations.size() > 1) {
+    table.rows.push_back({"mean"});
+    append_middle(columns, evaluations, "", &Summary::mean, table.rows.back());
   }
-  if (evaluations.size() > 1) table.rows.push_back(means);
+  return table;
+}
+
+FigureTable method_table(const std::vector<Evaluation>& evaluations) {
+  std::vector<Headline> columns = headline_columns();
+  std::erase_if(columns, [](const Headline& column) { return !column.in_method_table; });
+  FigureTable table{"", {"world", "method", "s"}, {}};
+  for (const Headline& column : columns) table.header.push_back(column.title);
+  std::vector<std::string> methods;
+  for (const Evaluation& e : evaluations) {
+    const double duration_s = e.truth.frames() / e.truth.rate_hz();
+    table.rows.push_back({e.name, e.method, number(duration_s, 0)});
+    append_figures(columns, e, table.rows.back());
+    if (std::find(methods.begin(), methods.end(), e.method) == methods.end())
+      methods.push_back(e.method);
+  }
+  for (const std::string& method : methods) {
+    table.rows.push_back({"mean", method, ""});
+    append_middle(columns, evaluations, method, &Summary::mean, table.rows.back());
+    table.rows.push_back({"median", method, ""});
+    append_middle(columns, evaluations, method, &Summary::median, table.rows.back());
+  }
   return table;
 }
 
@@ -299,6 +343,19 @@ FigureTable headlines(const Evaluation& e) {
     table.rows.push_back({column.title, number(column.of(e), column.decimals)});
   }
   return table;
+}
+
+std::string markdown_of(const FigureTable& table) {
+  std::string text;
+  const auto print = [&](const std::vector<std::string>& row) {
+    text += fmt::format("| {} |\n", fmt::join(row, " | "));
+  };
+  print(table.header);
+  std::vector<std::string> rule(table.header.size(), "--:");
+  rule.front() = "---";
+  print(rule);
+  for (const auto& row : table.rows) print(row);
+  return text;
 }
 
 std::string text_of(const FigureTable& table) {

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "figure_tables.hpp"
 #include "gnuplot.hpp"
 #include "plots.hpp"
 
@@ -47,35 +46,11 @@ th:first-child, td:first-child { text-align: left; padding-left: 0; white-space:
 
 constexpr std::size_t kNarrowTable = 7;  // columns; more take the whole width
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '<') {
-      out += "&lt;";
-    } else if (c == '>') {
-      out += "&gt;";
-    } else if (c == '&') {
-      out += "&amp;";
-    } else {
-      out += c;
-    }
-  }
-  return out;
-}
-
 std::string row_of(const std::vector<std::string>& cells, const char* tag) {
   std::string row = "<tr>";
-  for (const std::string& cell : cells) row += fmt::format("<{0}>{1}</{0}>", tag, escaped(cell));
+  for (const std::string& cell : cells)
+    row += fmt::format("<{0}>{1}</{0}>", tag, html_escaped(cell));
   return row + "</tr>\n";
-}
-
-std::string html_of(const FigureTable& table) {
-  std::string html =
-      fmt::format("<section class=\"panel{}\"><h3>{}</h3><table>\n",
-                  table.header.size() > kNarrowTable ? " wide" : "", escaped(table.title));
-  if (table.header.size() > 2) html += row_of(table.header, "th");
-  for (const auto& row : table.rows) html += row_of(row, "td");
-  return html + "</table></section>\n";
 }
 
 std::string card(const std::string& value, const char* name) {
@@ -106,7 +81,7 @@ std::string cards_of(const Evaluation& e) {
 }
 
 std::string note(const std::string& text) {
-  return fmt::format("<p class=\"note\">{}</p>\n", escaped(text));
+  return fmt::format("<p class=\"note\">{}</p>\n", html_escaped(text));
 }
 
 std::string tables_of(const Evaluation& e) {
@@ -118,16 +93,13 @@ std::string tables_of(const Evaluation& e) {
 }
 
 std::string section(const Evaluation& e, std::string& warning) {
-  std::string html =
-      fmt::format("<h2>{}</h2>\n<p class=\"source\">{}</p>\n", escaped(e.name), escaped(e.source));
+  std::string html = fmt::format("<h2>{}</h2>\n<p class=\"source\">{}</p>\n", html_escaped(e.name),
+                                 html_escaped(e.source));
   html += cards_of(e);
   for (const std::string& text : e.notes) html += note(text);
   try {
     std::string plots;
-    for (const Plot& plot : draw_plots(e)) {
-      plots +=
-          fmt::format("<section class=\"panel\"><h3>{}</h3>{}</section>\n", plot.caption, plot.svg);
-    }
+    for (const Plot& plot : draw_plots(e)) plots += html_of(plot);
     html += "<div class=\"plots\">\n" + plots + "</div>\n";
   } catch (const gnuplot::GnuplotError& error) {
     warning = error.what();
@@ -137,6 +109,46 @@ std::string section(const Evaluation& e, std::string& warning) {
 
 }  // namespace
 
+std::string html_escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '<') {
+      out += "&lt;";
+    } else if (c == '>') {
+      out += "&gt;";
+    } else if (c == '&') {
+      out += "&amp;";
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
+
+std::string html_of(const FigureTable& table) {
+  std::string html =
+      fmt::format("<section class=\"panel{}\"><h3>{}</h3><table>\n",
+                  table.header.size() > kNarrowTable ? " wide" : "", html_escaped(table.title));
+  if (table.header.size() > 2) html += row_of(table.header, "th");
+  for (const auto& row : table.rows) html += row_of(row, "td");
+  return html + "</table></section>\n";
+}
+
+std::string html_of(const Plot& plot) {
+  return fmt::format("<section class=\"panel\"><h3>{}</h3>{}</section>\n",
+                     html_escaped(plot.caption), plot.svg);
+}
+
+std::string html_page(const std::string& title, const std::string& body) {
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n"
+      "<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<title>{}</title>\n<style>{}</style>\n</head>\n<body>\n<main>\n{}</main>\n"
+      "</body>\n</html>\n",
+      html_escaped(title), kStyle, body);
+}
+
 HtmlReport html_report(const std::vector<Evaluation>& evaluations) {
   HtmlReport report;
   std::string body;
@@ -144,13 +156,7 @@ HtmlReport html_report(const std::vector<Evaluation>& evaluations) {
   std::string head = "<h1>egomod evaluation</h1>\n";
   if (!report.warning.empty()) head += note(report.warning);
   if (evaluations.size() > 1) head += html_of(overview(evaluations));
-  report.text = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n"
-      "<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<title>egomod evaluation</title>\n<style>{}</style>\n</head>\n<body>\n<main>\n{}{}</main>\n"
-      "</body>\n</html>\n",
-      kStyle, head, body);
+  report.text = html_page("egomod evaluation", head + body);
   return report;
 }
 

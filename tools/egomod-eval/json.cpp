@@ -169,6 +169,7 @@ std::string of(const DetectionFigures& d) {
   json.add_json("position_percent_of_depth", of(d.position_percent));
   json.add_json("position_depth_axis_m", of(d.position_axial_m));
   json.add_json("position_lateral_m", of(d.position_lateral_m));
+  json.add_json("position_vs_box_centre_m", of(d.position_to_centre_m));
   json.add_json("velocity_m_s", of(d.velocity_mps)).add_json("speed_m_s", of(d.speed_mps));
   json.add_json("velocity_bias_m_s", bias_of(d));
   json.add("min_depth_m", d.min_depth_m).add("max_depth_m", d.max_depth_m);
@@ -202,6 +203,7 @@ std::string of(const ConsistencyFigures& c) {
 std::string of(const Evaluation& e) {
   Object json;
   json.add("sequence", e.name).add("source", e.source).add("frames", e.truth.frames());
+  if (!e.method.empty()) json.add("method", e.method);
   if (e.odometry) json.add_json("odometry", of(*e.odometry));
   if (e.detection) json.add_json("detection", of(*e.detection));
   if (e.points) json.add_json("points", of(*e.points));

@@ -19,10 +19,11 @@ namespace egomod::eval {
 namespace {
 
 struct Options {
-  std::vector<std::string> truths, records, results, poses, names;
+  std::vector<std::string> truths, records, results, poses, names, methods, pairs;
   std::string format = "kitti";
   std::string output;
   std::string json;
+  std::string markdown;
   bool brief = false;
   DetectionOptions detection;
 };
@@ -42,9 +43,17 @@ void add_options(CLI::App& app, Options& o) {
       ->check(CLI::IsMember({"kitti", "tum"}))
       ->capture_default_str();
   app.add_option("--name", o.names, "what the report calls each run (default: the truth's folder)");
+  app.add_option("--method", o.methods, "a label for each run, for --markdown");
+  app.add_option("--pairs", o.pairs,
+                 "all, or those that a record processed (a run at a lower rate than its truth's); "
+                 "one for all runs, or one for each")
+      ->check(CLI::IsMember({"all", "processed"}));
   app.add_option("--output", o.output, "folder for report.html and figures.json; made if needed");
   app.add_option("--json", o.json,
                  "write all figures to this file; - is standard output, no tables");
+  app.add_option(
+      "--markdown", o.markdown,
+      "write a table of worlds and methods to this file: a row for each run, then means");
   app.add_flag("--brief", o.brief, "print the headline figures only");
   app.add_option("--every", o.detection.every,
                  "objects: only frames divisible by this count (a run at a lower rate)")
@@ -67,6 +76,10 @@ void add_options(CLI::App& app, Options& o) {
       ->capture_default_str();
 }
 
+bool counts_processed_only(const std::vector<std::string>& pairs, std::size_t run) {
+  return !pairs.empty() && pairs[pairs.size() == 1 ? 0 : run] == "processed";
+}
+
 std::vector<Run> runs_of(const Options& o) {
   const bool one_kind =
       (o.records.empty() ? 0 : 1) + (o.results.empty() ? 0 : 1) + (o.poses.empty() ? 0 : 1) == 1;
@@ -82,13 +95,21 @@ std::vector<Run> runs_of(const Options& o) {
   }
   if (!o.names.empty() && o.names.size() != estimates.size())
     throw CLI::ValidationError("--name: one for each run, or none");
+  if (!o.methods.empty() && o.methods.size() != estimates.size())
+    throw CLI::ValidationError("--method: one for each run, or none");
+  if (o.pairs.size() > 1 && o.pairs.size() != estimates.size())
+    throw CLI::ValidationError("--pairs: one for all runs, or one for each");
+  if (kind != EstimateKind::kRecord && !o.pairs.empty())
+    throw CLI::ValidationError("--pairs: of --record only");
   std::vector<Run> runs;
   for (std::size_t i = 0; i < estimates.size(); ++i) {
     runs.push_back({.name = o.names.empty() ? "" : o.names[i],
                     .truth = hold_truth ? "" : o.truths[i],
                     .estimate = estimates[i],
                     .kind = kind,
-                    .format = o.format == "tum" ? PoseFormat::kTum : PoseFormat::kKitti});
+                    .format = o.format == "tum" ? PoseFormat::kTum : PoseFormat::kKitti,
+                    .method = o.methods.empty() ? "" : o.methods[i],
+                    .processed_only = counts_processed_only(o.pairs, i)});
   }
   return runs;
 }
@@ -143,6 +164,7 @@ void run(const Options& options, const std::vector<Run>& runs) {
     options.brief ? print_brief(evaluations) : print(evaluations);
     if (!options.json.empty()) write(options.json, json_of(evaluations));
   }
+  if (!options.markdown.empty()) write(options.markdown, markdown_of(method_table(evaluations)));
   if (!options.output.empty()) report(evaluations, options.output);
   if (std::fflush(stdout) != 0) throw InputError("standard output: cannot be written");
 }
@@ -158,7 +180,7 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
     egomod::eval::run(options, egomod::eval::runs_of(options));
   } catch (const CLI::ParseError& error) {
-    return app.exit(error);
+    return app.exit(error) == 0 ? 0 : 2;
   } catch (const std::exception& error) {
     std::fflush(stdout);
     std::fprintf(stderr, "egomod-eval: %s\n", error.what());

@@ -6,55 +6,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <sstream>
-
-#include "gnuplot.hpp"
-#include "tables.hpp"
-#include "temporary_folder.hpp"
 
 namespace egomod::eval {
 namespace {
 
-constexpr double kWidth_px = 640.0;
-constexpr double kHeight_px = 400.0;
 constexpr std::size_t kMostObjects = 8;
 constexpr std::array<const char*, kMostObjects> kColours{
     "#1f6feb", "#d1570b", "#2a8a4a", "#8250df", "#b3261e", "#0f7f8c", "#9a6700", "#57606a"};
-
-// A figure's part of the script; its data lie in the script itself.
-struct Figure {
-  std::string caption;
-  std::string script;
-};
-
-// A named block of data, one row of numbers each time.
-class Data {
- public:
-  explicit Data(const std::string& name) : text_("$" + name + " << EOD\n") {}
-  template <typename... Numbers>
-  void row(Numbers... numbers) {
-    ((text_ += fmt::format("{:.9g} ", numbers)), ...);
-    text_ += '\n';
-    empty_ = false;
-  }
-  void gap() { text_ += '\n'; }
-  [[nodiscard]] bool empty() const { return empty_; }
-  [[nodiscard]] std::string text() const { return text_ + "EOD\n"; }
-
- private:
-  std::string text_;
-  bool empty_ = true;
-};
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '\'') out += '\'';
-    if (static_cast<unsigned char>(c) >= 0x20) out += c;
-  }
-  return out;
-}
 
 struct Range {
   double low = 0.0, high = 0.0;
@@ -68,7 +26,7 @@ struct Range {
 
 // From above, forwards to the right; a metre is as long on both axes.
 Figure trajectory(const AlignedPoses& poses) {
-  Data data("path");
+  FigureData data("path");
   Range forward;
   Range left;
   for (std::size_t i = 0; i < poses.truth.size(); ++i) {
@@ -80,8 +38,8 @@ Figure trajectory(const AlignedPoses& poses) {
       left.take(-p.x());
     }
   }
-  constexpr double kBoxWidth_px = kWidth_px - 100.0;
-  constexpr double kBoxHeight_px = kHeight_px - 75.0;
+  constexpr double kBoxWidth_px = kFigureWidth_px - 100.0;
+  constexpr double kBoxHeight_px = kFigureHeight_px - 75.0;
   const double metres_per_px =
       std::max({1.1 * forward.length() / kBoxWidth_px, 1.2 * left.length() / kBoxHeight_px, 1e-9});
   const auto range = [&](const char* axis, const Range& r, double box_px) {
@@ -98,7 +56,7 @@ Figure trajectory(const AlignedPoses& poses) {
 }
 
 Figure pose_error(const AlignedPoses& poses, const std::vector<double>& times_s) {
-  Data data("error");
+  FigureData data("error");
   for (std::size_t i = 0; i < poses.truth.size(); ++i) {
     const auto frame = static_cast<std::size_t>(poses.frames[i]);
     if (frame >= times_s.size()) break;
@@ -128,7 +86,7 @@ std::vector<std::string> shown_objects(const DetectionFigures& detection) {
 }
 
 std::string truth_speed(const Truth& truth, const std::string& id, const std::string& name) {
-  Data data(name);
+  FigureData data(name);
   double last_s = 0.0;
   const double most_s = 1.5 / truth.rate_hz();
   for (const auto& [frame, objects] : *truth.objects) {
@@ -148,7 +106,7 @@ std::optional<Figure> speeds(const Evaluation& e) {
   std::string blocks;
   std::string plots;
   for (std::size_t k = 0; k < ids.size(); ++k) {
-    Data found("found" + std::to_string(k));
+    FigureData found("found" + std::to_string(k));
     for (const Match& m : e.detection->matches) {
       if (m.truth.id == ids[k] && m.estimate.velocity_mps.allFinite())
         found.row(m.truth.time_s, m.estimate.velocity_mps.norm());
@@ -158,7 +116,7 @@ std::optional<Figure> speeds(const Evaluation& e) {
     plots += fmt::format(
         "{}$truth{} with lines lw 5 lc rgb '#b0{}' title 'object {}, truth', "
         "$found{} with points pt 7 ps 0.45 lc rgb '{}' title 'estimate'",
-        plots.empty() ? "" : ", ", k, std::string(kColours[k]).substr(1), escaped(ids[k]), k,
+        plots.empty() ? "" : ", ", k, std::string(kColours[k]).substr(1), quotable(ids[k]), k,
         kColours[k]);
   }
   if (plots.empty()) return std::nullopt;
@@ -172,8 +130,8 @@ std::optional<Figure> speeds(const Evaluation& e) {
 template <typename Error>
 std::optional<Figure> by_depth(const DetectionFigures& detection, const char* caption,
                                const char* label, const char* colour, const Error& error) {
-  Data data("errors");
-  Data medians("medians");
+  FigureData data("errors");
+  FigureData medians("medians");
   for (const Match& m : detection.matches) {
     if (std::isfinite(error(m))) data.row(m.truth.surface_m.z(), error(m));
   }
@@ -204,10 +162,10 @@ std::optional<Figure> by_depth(const DetectionFigures& detection, const char* ca
 std::optional<Figure> roc(const PointFigures& points) {
   if (points.curve.empty()) return std::nullopt;
   constexpr double kLeastRate = 1e-4;
-  Data curve("roc");
+  FigureData curve("roc");
   for (const RocPoint& p : points.curve)
     curve.row(std::max(p.false_positive_rate, kLeastRate), p.true_positive_rate);
-  Data decision("decision");
+  FigureData decision("decision");
   decision.row(std::max(points.false_positive_rate, kLeastRate), points.recall.value_or(0.0));
   return Figure{
       "Points that move: ROC",
@@ -244,46 +202,8 @@ std::vector<Figure> figures_of(const Evaluation& e) {
   return figures;
 }
 
-std::string script_of(const std::vector<Figure>& figures) {
-  std::string script;
-  for (std::size_t i = 0; i < figures.size(); ++i) {
-    script += fmt::format(
-        "reset\nset terminal svg size {},{} dynamic noenhanced font 'Helvetica,13' background "
-        "'white' name 'figure{}'\nset output '{}.svg'\n"
-        "set border 3 lc rgb '#8c959f'\nset tics nomirror textcolor rgb '#57606a'\n"
-        "set grid lc rgb '#e4e7eb' lt 1 lw 1\nset key top right textcolor rgb '#24292f'\n"
-        "{}unset output\n",
-        kWidth_px, kHeight_px, i, i, figures[i].script);
-  }
-  return script;
-}
-
-// Without the lines before the element, which only a file of its own may have.
-std::string svg_of(const std::string& file) {
-  std::ifstream stream(file);
-  std::stringstream text;
-  text << stream.rdbuf();
-  const std::string svg = text.str();
-  const auto start = svg.find("<svg");
-  if (!stream || start == std::string::npos)
-    throw gnuplot::GnuplotError("gnuplot drew no figure into " + file);
-  return svg.substr(start);
-}
-
 }  // namespace
 
-std::vector<Plot> draw_plots(const Evaluation& evaluation) {
-  const std::vector<Figure> figures = figures_of(evaluation);
-  const TemporaryFolder folder;
-  std::ofstream script(folder.path() + "/figures.gp");
-  script << script_of(figures);
-  script.close();
-  if (!script) throw InputError(folder.path() + "/figures.gp: cannot be written");
-  gnuplot::run(folder.path(), "figures.gp");
-  std::vector<Plot> plots;
-  for (std::size_t i = 0; i < figures.size(); ++i)
-    plots.push_back({figures[i].caption, svg_of(fmt::format("{}/{}.svg", folder.path(), i))});
-  return plots;
-}
+std::vector<Plot> draw_plots(const Evaluation& evaluation) { return draw(figures_of(evaluation)); }
 
 }  // namespace egomod::eval

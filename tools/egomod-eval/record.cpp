@@ -95,6 +95,7 @@ class Evidence {
   void add_objects(const lcm::LogEvent& event) {
     object_list_t list{};
     reader_.decode(event, list);
+    record_.processed.push_back(static_cast<int>(list.sequence));
     const auto rows = record_.estimate.detections->find(static_cast<int>(list.sequence));
     if (rows == record_.estimate.detections->end()) return;
     const Eigen::Matrix3d R = calibration_.T_body_camera.linear().transpose();
@@ -130,6 +131,11 @@ class Evidence {
     if (timing.stages.empty()) return;
     record_.estimate.stage_ms["total, arrival to publish"].push_back(
         static_cast<double>(timing.stages.back().end - timing.arrival) * 1e-6);
+    if (record_.processed.empty() || record_.processed.back() != timing.sequence) return;
+    double sum_ns = 0.0;
+    for (const stage_time_t& stage : timing.stages)
+      sum_ns += static_cast<double>(stage.end - stage.start);
+    record_.estimate.stage_ms[kAllStages].push_back(sum_ns * 1e-6);
   }
 
   std::string log_;
@@ -144,7 +150,8 @@ class Evidence {
 Record read_record(const std::string& log) {
   const TemporaryFolder folder;
   log::export_log(log, folder.path());  // also refuses what is no record
-  Record record{.estimate = read_result(folder.path()), .poses = {}, .points = std::nullopt};
+  Record record{
+      .estimate = read_result(folder.path()), .poses = {}, .processed = {}, .points = std::nullopt};
   Evidence(log, record).run();
   return record;
 }

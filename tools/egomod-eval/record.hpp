@@ -34,6 +34,7 @@ struct PointEvidence {
 struct Record {
   Estimate estimate;
   std::vector<PoseEvidence> poses;
+  std::vector<int> processed;                        // frames with a list of objects, ascending
   std::optional<std::vector<PointEvidence>> points;  // nothing: recorded without EGOMOD_TRACKS
 };
 

@@ -44,6 +44,7 @@ class TruthOfRecord {
       reader_.decode(event, message);
       T_camera_body_ = calibration_from(message).T_body_camera.inverse();
       truth_.focal_px = message.fx;
+      truth_.cx_px = message.cx;
       truth_.baseline_m = message.baseline;
     } else if (event.channel == "SIM_TRUTH_POSE") {
       truth_pose_t message{};

@@ -174,6 +174,7 @@ void read_calibration(const fs::path& file, Truth& truth) {
       fail_at(file, line_number, "P1 must be 12 numbers of a camera right of the left one");
     }
     truth.focal_px = P[0];
+    truth.cx_px = P[2];
     truth.baseline_m = -P[3] / P[0];
     return;
   }

@@ -63,11 +63,15 @@ struct Truth {
   Poses poses;                                  // empty: unknown
   std::optional<ByFrame<TruthObject>> objects;  // nothing: unknown
   double focal_px = 0.0;                        // read where objects are
+  double cx_px = 0.0;
   double baseline_m = 0.0;
 
   [[nodiscard]] int frames() const { return static_cast<int>(times_s.size()); }
   [[nodiscard]] double rate_hz() const;
 };
+
+// The time that all stages together take for a pair, of those that were processed.
+constexpr const char* kAllStages = "sum of all stages";
 
 struct Estimate {
   Poses poses;

@@ -26,6 +26,7 @@ struct Options {
   std::string labels;
   std::string record;
   std::string truth;
+  std::string points = "all";
   std::string output = ".";
   std::string format = "png";
   double prior_moving = 0.5;
@@ -40,6 +41,12 @@ void add_options(CLI::App& app, Options& options) {
                  "take the velocities from this record's EGOMOD_TRACKS instead; needs --truth");
   app.add_option("--truth", options.truth,
                  "folder with the objects.csv that tells what moves in the record");
+  app.add_option("--points", options.points,
+                 "of a record; all: by the truth; ransac: those in which the odometry's RANSAC "
+                 "agrees, as its outliers are the thesis's samples of what moves; roles: RANSAC's "
+                 "inliers and outliers, whatever the truth says")
+      ->check(CLI::IsMember({"all", "ransac", "roles"}))
+      ->capture_default_str();
   app.add_option("--output", options.output,
                  "folder for moving_objects.toml, the figure and, with --record, labels.csv")
       ->capture_default_str();
@@ -57,9 +64,14 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("!--no-plot", options.plot, "draw no figure (gnuplot is not needed then)");
 }
 
+PointChoice choice_of(const std::string& points) {
+  if (points == "ransac") return PointChoice::kRansac;
+  return points == "roles" ? PointChoice::kRoles : PointChoice::kAll;
+}
+
 RecordLabels load(const Options& options) {
   if (options.record.empty()) return {.labels = read_labels(options.labels), .damage = {}};
-  RecordLabels result = label_record(options.record, options.truth);
+  RecordLabels result = label_record(options.record, options.truth, choice_of(options.points));
   write_labels(options.output + "/labels.csv", result.labels);
   return result;
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fstream>
 #include <ostream>
 
@@ -52,13 +53,16 @@ void write_curves(std::ostream& out, const RayleighClassifier& c, double until_m
   out << "EOD\n";
 }
 
+// As many digits as the thesis gives.
+double rounded(double speed_mps) { return std::round(1e4 * speed_mps) * 1e-4; }
+
 void write_threshold(std::ostream& out, const RayleighClassifier& c, double probability) {
   const auto threshold = speed_threshold(c, probability);
   if (!threshold) return;
   out << "set arrow from " << *threshold << ",0 to " << *threshold
       << ",1 nohead dashtype 2 lw 1.5\n"
-      << "set label '" << 100 * probability << " %: " << *threshold << " m/s' at " << *threshold
-      << "," << probability << " offset 1,-0.7 front\n";
+      << "set label '" << 100 * probability << " %: " << rounded(*threshold) << " m/s' at "
+      << *threshold << "," << probability << " offset 1,-0.7 front\n";
 }
 
 void write_script(std::ostream& out, const std::string& picture, const std::string& format,
@@ -77,10 +81,10 @@ void write_script(std::ostream& out, const std::string& picture, const std::stri
       << "set ylabel 'probability density [s/m]'\n"
       << "plot $static_points with boxes lc rgb '#4477aa' title 'static, measured', "
       << "$moving_points with boxes lc rgb '#cc6633' title 'moving, measured', "
-      << "$curves using 1:2 with lines lw 2 lc rgb '#224466' title 'static, {/Symbol s}_R = "
-      << fit.classifier.sigma_static_mps << " m/s', "
-      << "$curves using 1:3 with lines lw 2 lc rgb '#883311' title 'moving, {/Symbol s}_R = "
-      << fit.classifier.sigma_moving_mps << " m/s'\n"
+      << "$curves using 1:2 with lines lw 2 lc rgb '#224466' title 'static, sigma = "
+      << rounded(fit.classifier.sigma_static_mps) << " m/s', "
+      << "$curves using 1:3 with lines lw 2 lc rgb '#883311' title 'moving, sigma = "
+      << rounded(fit.classifier.sigma_moving_mps) << " m/s'\n"
       << "set title 'Posterior of the class given the velocity'\nset ylabel 'probability'\n"
       << "set yrange [0:1.02]\nset key center right\n";
   write_threshold(out, fit.classifier, 0.5);

@@ -66,13 +66,25 @@ std::optional<bool> moves(const std::vector<TruthObject>& objects, double u_px, 
   return inside ? std::nullopt : std::optional<bool>(false);
 }
 
+// 0 or 1; nothing where the choice leaves the point out.
+std::optional<bool> label_of(const track_t& track, double depth_m,
+                             const std::vector<TruthObject>& objects, PointChoice choice) {
+  const bool inlier = track.role == track_t::ROLE_INLIER;
+  const bool outlier = track.role == track_t::ROLE_OUTLIER;
+  if (choice != PointChoice::kAll && !inlier && !outlier) return std::nullopt;
+  if (choice == PointChoice::kRoles) return outlier;
+  const auto moving = moves(objects, track.u, track.v, depth_m);
+  if (choice == PointChoice::kRansac && moving && *moving != outlier) return std::nullopt;
+  return moving;
+}
+
 void label_tracks(const track_list_t& list, const calibration_t& calibration,
-                  const std::vector<TruthObject>& objects, Labels& labels) {
+                  const std::vector<TruthObject>& objects, PointChoice choice, Labels& labels) {
   for (const track_t& track : list.tracks) {
     if (track.state == track_t::STATE_UNKNOWN || !(track.disparity > 0.0F)) continue;
     const double depth_m =
         calibration.fx * calibration.baseline / static_cast<double>(track.disparity);
-    const auto moving = moves(objects, track.u, track.v, depth_m);
+    const auto moving = label_of(track, depth_m, objects, choice);
     if (!moving) continue;
     const double speed_mps = std::hypot(track.vel[0], track.vel[1], track.vel[2]);
     (*moving ? labels.moving_mps : labels.static_mps).push_back(speed_mps);
@@ -81,8 +93,10 @@ void label_tracks(const track_list_t& list, const calibration_t& calibration,
 
 }  // namespace
 
-RecordLabels label_record(const std::string& log, const std::string& truth_directory) {
-  const Truth truth = read_truth(truth_directory + "/objects.csv");
+RecordLabels label_record(const std::string& log, const std::string& truth_directory,
+                          PointChoice choice) {
+  const Truth truth =
+      choice == PointChoice::kRoles ? Truth{} : read_truth(truth_directory + "/objects.csv");
   log::LogReader reader(log);
   RecordLabels result;
   std::optional<calibration_t> calibration;
@@ -95,7 +109,7 @@ RecordLabels label_record(const std::string& log, const std::string& truth_direc
     has_tracks = true;
     const auto at = truth.find(list.sequence);
     label_tracks(list, *calibration, at == truth.end() ? std::vector<TruthObject>{} : at->second,
-                 result.labels);
+                 choice, result.labels);
   }
   result.damage = reader.damage();
   if (!calibration) throw InputError(log + ": has no EGOMOD_CALIBRATION; is it a record?");
