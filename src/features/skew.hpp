@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <optional>
+#include <span>
 
 #include "egomod/core/calibration.hpp"
 #include "egomod/core/egomotion.hpp"
@@ -25,6 +26,16 @@ class Skew {
   // As soon as this pair's motion is known, or that it cannot be. It goes on during the skew, and
   // so does its change since the last pair.
   void move(const std::optional<Eigen::Isometry3d>& T_current_previous);
+
+  // By how much the disparity of a resting point differs from what is expected of it.
+  struct Surprise {
+    ImagePoint left;
+    float disparity_px = 0.0F;  // expected
+    float surprise_px = 0.0F;   // found, with the shift of this skew, less expected
+  };
+  // Where most points are surprised alike, the rig has turned otherwise during the skew than before
+  // it, and the shift becomes what they tell; small surprises are noise, and change nothing.
+  void turn(std::span<const Surprise> surprises);
 
   [[nodiscard]] bool none() const { return skew_s_ == 0.0; }
 

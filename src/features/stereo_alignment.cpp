@@ -14,6 +14,7 @@ constexpr float kMaxConsistency_px = 0.6F;
 constexpr float kMaxClosure_px = 1.0F;
 constexpr float kMinClosureNcc = 0.6F;
 constexpr std::uint32_t kYoungAge = 3;
+constexpr std::size_t kMaxScouts = 200;  // that tell how the rig turned during a skew
 constexpr float kMaxSurprise_px = 0.6F;
 constexpr float kMaxNccLoss = 0.05F;
 // Noise of the disparity at infinity may feign a depth below this.
@@ -188,13 +189,37 @@ StereoAlignment::StereoAlignment(int capacity, const DisparityConfig& config) : 
   lost_.reserve(n);
   pixels_.reserve(n);
   right_shifts_.reserve(n);
+  surprises_.reserve(kMaxScouts);
   matches_.reserve(n);
 }
 
-void StereoAlignment::measure(const StereoImages& previous, const StereoImages& current,
-                              const Skew& skew, TrackStore& store) {
+void StereoAlignment::measure(const StereoImages& previous, const StereoImages& current, Skew& skew,
+                              TrackStore& store) {
+  if (!skew.none()) {
+    look_for_surprises(current, skew, store);
+    skew.turn(surprises_);
+  }
   measure_predicted(previous, current, skew, store);
   search_lost(previous, current, skew, store);
+}
+
+// Of points whose disparity is known well, spread evenly.
+void StereoAlignment::look_for_surprises(const StereoImages& current, const Skew& skew,
+                                         const TrackStore& store) {
+  surprises_.clear();
+  const std::vector<FollowedPoint>& points = store.points();
+  const std::size_t stride = 1 + points.size() / kMaxScouts;
+  for (std::size_t i = 0; i < points.size(); i += stride) {
+    const FollowedPoint& point = points[i];
+    if (!point.followed || !point.rests || point.age < kYoungAge || !point.previous_stereo.valid)
+      continue;
+    StereoMeasurement start = point.previous_stereo;
+    start.disparity_px = point.expected_disparity_px;
+    const StereoMeasurement found = align_skewed(current, point.left, start, skew);
+    if (found.valid)
+      surprises_.push_back(
+          {point.left, start.disparity_px, found.disparity_px - start.disparity_px});
+  }
 }
 
 void StereoAlignment::measure_predicted(const StereoImages& previous, const StereoImages& current,

@@ -36,10 +36,11 @@ class StereoAlignment {
  public:
   StereoAlignment(int capacity, const DisparityConfig& config);
 
-  void measure(const StereoImages& previous, const StereoImages& current, const Skew& skew,
+  void measure(const StereoImages& previous, const StereoImages& current, Skew& skew,
                TrackStore& store);
 
  private:
+  void look_for_surprises(const StereoImages& current, const Skew& skew, const TrackStore& store);
   void measure_predicted(const StereoImages& previous, const StereoImages& current,
                          const Skew& skew, TrackStore& store);
   void search_lost(const StereoImages& previous, const StereoImages& current, const Skew& skew,
@@ -50,6 +51,7 @@ class StereoAlignment {
   std::vector<PixelPosition> pixels_;
   std::vector<PixelPosition> right_shifts_;  // parallel to it; empty without skew
   std::vector<DisparityMatch> matches_;
+  std::vector<Skew::Surprise> surprises_;
 };
 
 }  // namespace egomod

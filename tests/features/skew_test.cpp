@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <random>
 #include <vector>
 
 #include "egomod/core/geometry.hpp"
@@ -113,6 +114,59 @@ TEST(SkewTest, ASteadyMotionLeavesNoUncertainty) {
     skew.move(se3_exp(kInterval_s * turning_velocity()));
   }
   EXPECT_LT(skew.variance_px2(30.0F), 1e-8F);
+}
+
+// Disparities found with `skew` when the rig turned by `extra` more than it tells; `noise_px` of
+// either sign, a fifth of them wrong.
+std::vector<Skew::Surprise> surprises(const Skew& skew, const Eigen::Isometry3d& T_extra,
+                                      double noise_px) {
+  std::vector<Skew::Surprise> all;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> across(-0.5, 0.5), depth_m(1.5, 9.0);
+  std::normal_distribution<double> noise(0.0, noise_px);
+  for (int i = 0; i < 150; ++i) {
+    const double z = depth_m(random);
+    const Eigen::Vector3d P(across(random) * z, 0.8 * across(random) * z, z);
+    const ImagePoint extra = right_of(T_extra * P) - right_of(P);
+    const double wrong_px = i % 5 == 0 ? 6.0 * across(random) : 0.0;
+    all.push_back(
+        {left_of(P), disparity_of(P), static_cast<float>(noise(random) + wrong_px) - extra.u_px});
+  }
+  EXPECT_FALSE(skew.none());
+  return all;
+}
+
+Skew steady_skew() {
+  Skew skew;
+  for (int k = 0; k < 2; ++k) {
+    skew.begin_pair(kCamera, milliseconds(10), kInterval, true);
+    skew.move(se3_exp(kInterval_s * turning_velocity()));
+  }
+  return skew;
+}
+
+// 0.4 rad/s more from one pair to the next, as where a robot's base starts to turn.
+TEST(SkewTest, DisparitiesThatAllSurpriseTellASuddenTurn) {
+  Skew skew = steady_skew();
+  Vector6d extra = Vector6d::Zero();
+  extra.tail<3>() << 0.0005, -0.004, 0.001;
+  skew.turn(surprises(skew, se3_exp(extra), 0.15));
+  const Eigen::Isometry3d T_later_now = se3_exp(extra) * se3_exp(0.01 * turning_velocity());
+  constexpr float kMaxError_px = 0.2F;
+  for (const Eigen::Vector3d& P : kPoints_m) {
+    const ImagePoint shift = skew.shift(left_of(P), disparity_of(P));
+    EXPECT_NEAR(shift.u_px, (right_of(T_later_now * P) - right_of(P)).u_px, kMaxError_px);
+  }
+  EXPECT_GT(skew.variance_px2(30.0F), 0.0F);
+}
+
+TEST(SkewTest, NoiseTellsNoTurn) {
+  Skew skew = steady_skew();
+  const ImagePoint before = skew.shift({100.0F, 50.0F}, 30.0F);
+  skew.turn(surprises(skew, Eigen::Isometry3d::Identity(), 0.25));
+  EXPECT_EQ(skew.shift({100.0F, 50.0F}, 30.0F).u_px, before.u_px);
+  skew.turn({});
+  EXPECT_EQ(skew.shift({100.0F, 50.0F}, 30.0F).u_px, before.u_px);
 }
 
 TEST(SkewTest, AMoverShiftsByItsOwnMotionAndNoiseDoesNot) {
