@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "skew.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -30,6 +29,9 @@ constexpr std::array kScales_px{4.0, 2.0, 1.0, 0.5, 0.5};
 constexpr double kTurn_px = 3.0;
 constexpr double kLeastTurn_px = 0.3;
 constexpr double kLeftOver_px = 0.1;
+// One jerk surprises three pairs; longer, it is the disparities expected that are wrong, and they
+// would stay so if the shift followed them.
+constexpr int kMostTurnsInARow = 3;
 
 }  // namespace
 
@@ -62,35 +64,29 @@ void Skew::move(const std::optional<Eigen::Isometry3d>& T_current_previous) {
   rotation_sigma_rad_ = kUnsteadyShare * std::abs(skew_s_) * change.tail<3>().norm();
 }
 
+// About the vertical only: a pitch or a roll changes disparities of either sign, which tells it
+// less well, and a base that drives hardly starts one at once.
 void Skew::turn(std::span<const Surprise> surprises) {
   if (none() || surprises.size() < kMinSurprises) return;
-  // d(u right) / d(rotation), of a point seen there; a shift to the right takes disparity away.
-  const auto jacobian = [&](const Surprise& s) -> Eigen::Vector3d {
-    const double x =
-        (static_cast<double>(s.left.u_px - s.disparity_px) - camera_.cx_px) / camera_.fx_px;
-    const double y = (static_cast<double>(s.left.v_px) - camera_.cy_px) / camera_.fy_px;
-    return camera_.fx_px * Eigen::Vector3d(-x * y, 1.0 + x * x, -y);
-  };
-  Eigen::Vector3d phi = Eigen::Vector3d::Zero();
-  double square_px2 = 0.0;
+  double yaw_px = 0.0;
   for (const double scale : kScales_px) {
-    const double prior = scale * camera_.fx_px / kTurn_px;
-    Eigen::Matrix3d H = prior * prior * Eigen::Matrix3d::Identity();
-    Eigen::Vector3d b = Eigen::Vector3d::Zero();
-    square_px2 = 0.0;
+    double H = scale * scale / (kTurn_px * kTurn_px);
+    double b = 0.0;
     for (const Surprise& s : surprises) {
-      const Eigen::Vector3d J = jacobian(s);
-      const double turned_px = J.dot(phi);
-      const double r = -static_cast<double>(s.surprise_px) - turned_px;
+      const double x =
+          (static_cast<double>(s.left.u_px - s.disparity_px) - camera_.cx_px) / camera_.fx_px;
+      const double J = 1.0 + x * x;
+      const double moved_px = -static_cast<double>(s.surprise_px);  // to the right
+      const double r = moved_px - J * yaw_px;
       const double root = scale * scale / (scale * scale + r * r);
-      H += root * root * J * J.transpose();
-      b += root * root * J * (r + turned_px);
-      square_px2 += turned_px * turned_px;
+      H += root * root * J * J;
+      b += root * root * J * moved_px;
     }
-    phi = H.ldlt().solve(b);
+    yaw_px = b / H;
   }
-  const double least_px2 = kLeastTurn_px * kLeastTurn_px * static_cast<double>(surprises.size());
-  if (!phi.allFinite() || square_px2 < least_px2) return;
+  turns_in_a_row_ = std::abs(yaw_px) >= kLeastTurn_px ? turns_in_a_row_ + 1 : 0;
+  if (turns_in_a_row_ == 0 || turns_in_a_row_ > kMostTurnsInARow) return;
+  const Eigen::Vector3d phi = yaw_px / camera_.fx_px * Eigen::Vector3d::UnitY();
   T_later_current_.linear() = so3_exp(phi) * T_later_current_.linear();
   rotation_sigma_rad_ = kLeftOver_px / camera_.fx_px;
 }

@@ -34,7 +34,7 @@ class Skew {
     float surprise_px = 0.0F;   // found, with the shift of this skew, less expected
   };
   // Where most points are surprised alike, the rig has turned otherwise during the skew than before
-  // it, and the shift becomes what they tell; small surprises are noise, and change nothing.
+  // it, and the shift becomes what they tell, for some pairs; small surprises are noise.
   void turn(std::span<const Surprise> surprises);
 
   [[nodiscard]] bool none() const { return skew_s_ == 0.0; }
@@ -55,6 +55,7 @@ class Skew {
   Eigen::Isometry3d T_later_current_ = Eigen::Isometry3d::Identity();
   double translation_sigma_m_ = 0.0;
   double rotation_sigma_rad_ = 0.0;
+  int turns_in_a_row_ = 0;
 };
 
 }  // namespace egomod
