@@ -43,6 +43,7 @@ EgomotionEstimator::EgomotionEstimator(const EgomotionConfig& config)
 
 void EgomotionEstimator::estimate(const TrackSet& tracks, Egomotion& motion) {
   begin(tracks, motion);
+  watch_for_holes(tracks);
   if (tracks.status == TrackStatus::kNotRun) return repeat_pose(tracks, motion);
   const EstimateReason anew = reason_to_start_anew(tracks);
   if (!started_ || anew != EstimateReason::kNone) {
@@ -119,6 +120,7 @@ void EgomotionEstimator::start_anew(EstimateReason reason, const TrackSet& track
   }
   started_ = true;
   is_lost_ = false;
+  after_hole_ = false;
   contradicted_pairs_ = 0;
   has_velocity_ = false;
   velocity_ = habit_ = unknown_velocity();
@@ -269,7 +271,8 @@ void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution
                                 Egomotion& motion) {
   motion.status = EstimateStatus::kValid;
   contradicted_pairs_ = 0;
-  motion.reason = over_a_hole(tracks) ? EstimateReason::kHole : EstimateReason::kNone;
+  motion.reason = after_hole_ ? EstimateReason::kHole : EstimateReason::kNone;
+  after_hole_ = false;
   const double share = motion.inliers / static_cast<double>(correspondences_.size());
   motion.quality = std::clamp(
       static_cast<int>(
@@ -344,8 +347,14 @@ VelocityState EgomotionEstimator::unknown_velocity() const {
   return state;
 }
 
-bool EgomotionEstimator::over_a_hole(const TrackSet& tracks) const {
-  return tracks.discontinuity || tracks.sequence > last_tracked_sequence_ + skipped_ + 1;
+// Pairs that were dropped or rejected have left a gap in the numbers, those that never came have
+// not.
+void EgomotionEstimator::watch_for_holes(const TrackSet& tracks) {
+  const bool late = interval_watch_.is_late(tracks.exposure);
+  const bool tracked = tracks.status != TrackStatus::kNotRun;
+  const bool numbers_jump =
+      tracked && started_ && tracks.sequence > last_tracked_sequence_ + skipped_ + 1;
+  after_hole_ = after_hole_ || late || numbers_jump || (tracked && tracks.discontinuity);
 }
 
 }  // namespace egomod

@@ -80,6 +80,7 @@ struct Search {
   const Pyramid& right;
   float* strip;
   float* ncc;
+  PixelPosition shift{};  // of the right image
 
   [[nodiscard]] Peaks coarse(PixelPosition corner) const;
   [[nodiscard]] Refined fine(const CorrelationPatch<kFine_px>& patch, PixelPosition corner,
@@ -96,22 +97,25 @@ Peaks Search::coarse(PixelPosition corner) const {
   const float half = 0.5F * static_cast<float>(kCoarse_px - 1);
   const int u = static_cast<int>(std::lround(centre.u_px - half));
   const int v = static_cast<int>(std::lround(centre.v_px - half));
-  const int first = std::max(u - config.max_disparity_px / 2 - kCoarseMargin, 0);
-  const int last = std::min(u + kCoarseMargin, to.width_px - kCoarse_px);
-  if (!contains(from, u, v, kCoarse_px) || v + kCoarse_px > to.height_px || last < first) return {};
+  const int u_right = u + shift.u_px / 2, v_right = v + shift.v_px / 2;
+  const int first = std::max(u_right - config.max_disparity_px / 2 - kCoarseMargin, 0);
+  const int last = std::min(u_right + kCoarseMargin, to.width_px - kCoarse_px);
+  if (!contains(from, u, v, kCoarse_px) || v_right < 0 || v_right + kCoarse_px > to.height_px ||
+      last < first)
+    return {};
   const int count = last - first + 1;
   const std::ptrdiff_t stride = strip_stride(count, kCoarse_px);
-  copy_strip(to, first, v, count + kCoarse_px - 1, kCoarse_px, strip, stride);
+  copy_strip(to, first, v_right, count + kCoarse_px - 1, kCoarse_px, strip, stride);
   const CorrelationPatch<kCoarse_px> patch(from.row(v) + u, from.stride_bytes);
   kernels.correlate_8(patch.along(strip, stride, count), ncc);
-  return local_maxima(ncc, count, u - first);
+  return local_maxima(ncc, count, u_right - first);
 }
 
 Refined Search::fine(const CorrelationPatch<kFine_px>& patch, PixelPosition corner, int disparity,
                      int row) const {
   const ImageView to = right.level(0);
-  const int u = corner.u_px - kFineRadius_px;
-  const int v = corner.v_px - kFineRadius_px + row;
+  const int u = corner.u_px - kFineRadius_px + shift.u_px;
+  const int v = corner.v_px - kFineRadius_px + row + shift.v_px;
   const int largest = std::min(disparity + kFineReach_px, config.max_disparity_px);
   const int smallest = std::max(disparity - kFineReach_px, kMinDisparity_px);
   const int first = std::max(u - largest, 0), last = std::min(u - smallest, to.width_px - kFine_px);
@@ -175,12 +179,15 @@ DisparitySearch::DisparitySearch(const DisparityConfig& config) : config_(config
 
 void DisparitySearch::search(const Pyramid& left, const Pyramid& right,
                              std::span<const PixelPosition> corners,
-                             std::span<DisparityMatch> matches) {
+                             std::span<DisparityMatch> matches,
+                             std::span<const PixelPosition> right_shifts) {
   const ImageKernels kernels = image_kernels();
-  const Search search{config_, kernels, left, right, strip_.data(), ncc_.data()};
+  Search search{config_, kernels, left, right, strip_.data(), ncc_.data()};
   const bool can = left.levels() > 1 && right.levels() > 1;
-  for (std::size_t i = 0; i < corners.size(); ++i)
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (!right_shifts.empty()) search.shift = right_shifts[i];
     matches[i] = can ? search.match(corners[i]) : DisparityMatch{.status = MatchStatus::kOutside};
+  }
 }
 
 }  // namespace egomod

@@ -11,6 +11,7 @@
 #include "observation.hpp"
 #include "rig_motion.hpp"
 #include "seeding.hpp"
+#include "skew.hpp"
 #include "stereo_alignment.hpp"
 #include "stereo_images.hpp"
 #include "temporal_alignment.hpp"
@@ -116,6 +117,7 @@ class FeatureTracker::Implementation {
   FeaturesConfig config_;
   TrackStore store_;
   RigMotion rig_motion_;
+  Skew skew_;
   std::optional<Workers> workers_;
   std::array<StereoImages, 2> images_;
   std::size_t newest_ = 0;
@@ -139,11 +141,12 @@ void FeatureTracker::Implementation::track(const StereoPair& pair, TrackSet& tra
 
   begin_pair(pair);
   follow();
-  workers_->stereo.measure(previous(), current(), store_);
+  skew_.move(rig_motion_.T_current_previous());
+  workers_->stereo.measure(previous(), current(), skew_, store_);
   store_.drop_if(has_lost_sight);
   renew_anchors();
   const std::size_t survivors = store_.points().size();
-  workers_->seeding.seed(current(), store_);
+  workers_->seeding.seed(current(), skew_, store_);
   publish(tracks);
   tracks.discontinuity = !first_ && restarted_;
   tracks.status = status(tracks, survivors);
@@ -175,6 +178,8 @@ void FeatureTracker::Implementation::begin_pair(const StereoPair& pair) {
   current().take(pair);
   const float interval_ratio = next_interval_ratio(pair.exposure);
   rig_motion_.begin_pair(pair.calibration.camera, !restarted_, interval_ratio);
+  skew_.begin_pair(pair.calibration.camera, pair.skew(), pair.exposure - last_exposure_,
+                   !restarted_);
   for (FollowedPoint& point : store_.points()) {
     ++point.age;
     point.flow.u_px *= interval_ratio;

@@ -79,7 +79,7 @@ StereoObservation observe(const FollowedPoint& point, const AffineTemplate& anch
   const StereoMeasurement& s = point.stereo;
   const float ud = s.slope_u * left.uu + s.slope_v * left.uv;
   const float vd = s.slope_u * left.uv + s.slope_v * left.vv;
-  const float own = kModelError * s.variance_px2 + kDisparityFloor_px2;
+  const float own = kModelError * s.variance_px2 + kDisparityFloor_px2 + s.skew_variance_px2;
   const float dd = own + s.slope_u * ud + s.slope_v * vd;
   return {.u_px = point.left.u_px,
           .v_px = point.left.v_px,

@@ -22,6 +22,10 @@ class RigMotion {
   // From the points that are followed and had a disparity; false where they agree on no motion.
   bool guess(const TrackStore& store);
 
+  [[nodiscard]] std::optional<Eigen::Isometry3d> T_current_previous() const {
+    return known_ ? std::optional(T_current_previous_) : std::nullopt;
+  }
+
   // A resting point now: where it is seen, and its disparity.
   struct Resting {
     ImagePoint left;

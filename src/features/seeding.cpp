@@ -8,6 +8,8 @@
 namespace egomod {
 namespace {
 
+// Where corners are sought in a skewed right image: of all depths.
+constexpr float kUsualDisparity_px = 30.0F;
 // Corners asked for per free place: some have no partner in the right image.
 constexpr float kRoomFactor = 1.3F;
 // Corners tried for each free track; they come in order of rank, so that stopping keeps coverage.
@@ -27,10 +29,11 @@ Seeding::Seeding(int capacity, const CornerConfig& corners, const DisparityConfi
   occupied_.reserve(n);
   corners_.reserve(n);
   pixels_.reserve(n);
+  right_shifts_.reserve(n);
   matches_.reserve(n);
 }
 
-void Seeding::seed(const StereoImages& images, TrackStore& store) {
+void Seeding::seed(const StereoImages& images, const Skew& skew, TrackStore& store) {
   if (store.full()) return;
   occupied_.clear();
   for (const FollowedPoint& point : store.points()) occupied_.push_back(point.left);
@@ -39,14 +42,20 @@ void Seeding::seed(const StereoImages& images, TrackStore& store) {
   if (store.points().size() >= half_full_) tries = std::min(tries, max_tries_when_half_full_);
   corners_.resize(std::min(corners_.size(), tries));
   pixels_.clear();
-  for (const Corner& corner : corners_) pixels_.push_back(corner.position);
+  right_shifts_.clear();
+  for (const Corner& corner : corners_) {
+    pixels_.push_back(corner.position);
+    const ImagePoint left{static_cast<float>(corner.position.u_px),
+                          static_cast<float>(corner.position.v_px)};
+    if (!skew.none()) right_shifts_.push_back(nearest_pixel(skew.shift(left, kUsualDisparity_px)));
+  }
   matches_.resize(pixels_.size());
-  search_.search(images.left, images.right, pixels_, matches_);
+  search_.search(images.left, images.right, pixels_, matches_, right_shifts_);
   for (std::size_t i = 0; i < corners_.size() && !store.full(); ++i) {
     if (matches_[i].status != MatchStatus::kFound) continue;
     const ImagePoint left{static_cast<float>(pixels_[i].u_px), static_cast<float>(pixels_[i].v_px)};
-    const StereoMeasurement found =
-        align_stereo(images, left, {.disparity_px = static_cast<float>(matches_[i].disparity_px)});
+    const StereoMeasurement start{.disparity_px = static_cast<float>(matches_[i].disparity_px)};
+    const StereoMeasurement found = align_skewed(images, left, start, skew);
     if (!found.valid || !is_consistent(images, left, found)) continue;
     store.add(images.left.level(0), pixels_[i], corners_[i].kind).stereo = found;
   }

@@ -5,6 +5,7 @@
 
 #include "egomod/features/corners.hpp"
 #include "egomod/features/disparity_search.hpp"
+#include "skew.hpp"
 #include "stereo_images.hpp"
 #include "track_store.hpp"
 
@@ -16,7 +17,7 @@ class Seeding {
  public:
   Seeding(int capacity, const CornerConfig& corners, const DisparityConfig& disparity);
 
-  void seed(const StereoImages& images, TrackStore& store);
+  void seed(const StereoImages& images, const Skew& skew, TrackStore& store);
 
  private:
   CornerDetector detector_;
@@ -26,6 +27,7 @@ class Seeding {
   std::vector<ImagePoint> occupied_;
   std::vector<Corner> corners_;
   std::vector<PixelPosition> pixels_;
+  std::vector<PixelPosition> right_shifts_;  // parallel to it; empty without skew
   std::vector<DisparityMatch> matches_;
 };
 

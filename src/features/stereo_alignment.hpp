@@ -4,15 +4,22 @@
 #include <vector>
 
 #include "egomod/features/disparity_search.hpp"
+#include "skew.hpp"
 #include "stereo_images.hpp"
 #include "track_store.hpp"
 
 namespace egomod {
 
 // Subpixel disparity of a left point with a plane (d + a x + b y) through its patch, from a start
-// that is right to about a pixel; not valid where the patches do not agree.
+// that is right to about a pixel; not valid where the patches do not agree. The right point is
+// sought where `start.skew_shift` displaces it to.
 [[nodiscard]] StereoMeasurement align_stereo(const StereoImages& images, ImagePoint left,
                                              const StereoMeasurement& start);
+
+// The same where the skew tells the shift, to which the point may add one of its own.
+[[nodiscard]] StereoMeasurement align_skewed(const StereoImages& images, ImagePoint left,
+                                             StereoMeasurement start, const Skew& skew,
+                                             ImagePoint own_shift = {});
 
 // The patch seen in the right image, sought in the left one, must come back to where it was.
 [[nodiscard]] bool is_consistent(const StereoImages& images, ImagePoint left,
@@ -29,17 +36,22 @@ class StereoAlignment {
  public:
   StereoAlignment(int capacity, const DisparityConfig& config);
 
-  void measure(const StereoImages& previous, const StereoImages& current, TrackStore& store);
+  void measure(const StereoImages& previous, const StereoImages& current, Skew& skew,
+               TrackStore& store);
 
  private:
+  void look_for_surprises(const StereoImages& current, const Skew& skew, const TrackStore& store);
   void measure_predicted(const StereoImages& previous, const StereoImages& current,
-                         TrackStore& store);
-  void search_lost(const StereoImages& previous, const StereoImages& current, TrackStore& store);
+                         const Skew& skew, TrackStore& store);
+  void search_lost(const StereoImages& previous, const StereoImages& current, const Skew& skew,
+                   TrackStore& store);
 
   DisparitySearch search_;
   std::vector<std::size_t> lost_;
   std::vector<PixelPosition> pixels_;
+  std::vector<PixelPosition> right_shifts_;  // parallel to it; empty without skew
   std::vector<DisparityMatch> matches_;
+  std::vector<Skew::Surprise> surprises_;
 };
 
 }  // namespace egomod

@@ -162,7 +162,10 @@ void TemporalAlignment::follow_one(const RigMotion& motion, bool any_motion,
 void TemporalAlignment::remember_resting(const RigMotion& motion, TrackStore& store) {
   for (FollowedPoint& point : store.points()) {
     const auto resting = motion.predict(point);
-    if (point.followed && resting) point.rests = distance(resting->left, point.left) < kResting_px;
+    point.own_motion = {};
+    if (!point.followed || !resting) continue;
+    point.own_motion = point.left - resting->left;
+    point.rests = length(point.own_motion) < kResting_px;
   }
 }
 

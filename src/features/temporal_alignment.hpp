@@ -32,7 +32,7 @@ class TemporalAlignment {
   // The points not found yet: where they are if they rest and the rig moved as `motion` says. Young
   // points found elsewhere look there as well, and stay where they fit better.
   void follow_rig(const RigMotion& motion, const StereoImages& current, TrackStore& store);
-  // Who was seen where it would rest.
+  // Who was seen where it would rest, and how far from there.
   static void remember_resting(const RigMotion& motion, TrackStore& store);
   // The points not found yet: as their nearest neighbours moved in this pair, or not at all, since
   // a point may belong to something that moves with the rig; whichever fits better.

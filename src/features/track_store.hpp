@@ -20,6 +20,8 @@ struct StereoMeasurement {
   float slope_v = 0.0F;
   float ncc = 0.0F;
   float variance_px2 = 0.0F;  // of the disparity, from residual and texture
+  ImagePoint skew_shift{};    // of the point in the right image, see Skew; zero without skew
+  float skew_variance_px2 = 0.0F;
 };
 
 // All that is remembered of one followed point. `warp` takes its anchor template, which sits on a
@@ -45,6 +47,7 @@ struct FollowedPoint {
   float disparity_rate_px = 0.0F;      // a pair
   float expected_disparity_px = 0.0F;  // in this pair
   bool rests = true;                   // was seen where it would rest, so far
+  ImagePoint own_motion{};             // in the left image, from where it would rest
   int pairs_without_stereo = 0;
 
   bool followed = false;  // found in this pair's left image
@@ -65,6 +68,12 @@ struct FollowedPoint {
   warp.u_px += position.u_px - now.u_px;
   warp.v_px += position.v_px - now.v_px;
   return warp;
+}
+
+// Where the right image shows a point.
+[[nodiscard]] inline ImagePoint right_of(ImagePoint left, const StereoMeasurement& stereo) {
+  return {left.u_px - stereo.disparity_px + stereo.skew_shift.u_px,
+          left.v_px + stereo.skew_shift.v_px};
 }
 
 [[nodiscard]] PixelPosition nearest_pixel(ImagePoint point);

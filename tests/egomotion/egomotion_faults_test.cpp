@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -105,6 +106,7 @@ TEST_P(EgomotionFaultsTest, SkippedPairsRepeatThePoseAndTheNextOneCoversThem) {
   const Nanoseconds exposure = motion.exposure;
   TrackSet skipped;
   skipped.sequence = 2;
+  skipped.exposure = exposure + std::chrono::milliseconds(50);
   skipped.status = TrackStatus::kNotRun;
   skipped.pair_status = PairStatus::kSkipped;
   estimator.estimate(skipped, motion);
@@ -137,6 +139,42 @@ TEST_P(EgomotionFaultsTest, RejectedPairsFailAndAreComposedOver) {
   EXPECT_EQ(motion.status, EstimateStatus::kValid);
   EXPECT_EQ(motion.reason, EstimateReason::kHole);
   EXPECT_LT(error_of(motion, forward_and_left()).norm(), 0.01);
+}
+
+// Images that never came leave no gap in the numbers.
+TEST_P(EgomotionFaultsTest, APairThatComesLateIsComposedOverAHoleAndThoseAfterItAreNot) {
+  World world(20, 300);
+  EgomotionEstimator estimator(config());
+  Egomotion motion;
+  estimator.estimate(world.tracks(), motion);
+  for (int k = 0; k < 4; ++k) estimator.estimate(world.step(forward_and_left()), motion);
+  EXPECT_EQ(motion.reason, EstimateReason::kNone);
+  const Eigen::Isometry3d over_two = forward_and_left() * forward_and_left();
+  estimator.estimate(world.step(over_two, 0.2), motion);
+  EXPECT_EQ(motion.status, EstimateStatus::kValid);
+  EXPECT_EQ(motion.reason, EstimateReason::kHole);
+  EXPECT_LT(error_of(motion, over_two).norm(), 0.01);
+  estimator.estimate(world.step(forward_and_left()), motion);
+  EXPECT_EQ(motion.reason, EstimateReason::kNone);
+}
+
+// The word waits for the first motion that is found.
+TEST_P(EgomotionFaultsTest, AHoleThatEndsInTheDarkIsStillAHole) {
+  if (!config().map) GTEST_SKIP() << "frame to frame, what the dark pair hides is lost";
+  World world(21, 300);
+  EgomotionEstimator estimator(config());
+  Egomotion motion;
+  estimator.estimate(world.tracks(), motion);
+  for (int k = 0; k < 4; ++k) estimator.estimate(world.step(forward_and_left()), motion);
+  const TrackSet bright = world.step(forward_and_left() * forward_and_left(), 0.2);
+  TrackSet dark = bright;
+  dark.tracks.clear();
+  dark.status = TrackStatus::kFew;
+  estimator.estimate(dark, motion);
+  EXPECT_EQ(motion.status, EstimateStatus::kFailed);
+  TrackSet next = world.step(forward_and_left());
+  estimator.estimate(next, motion);
+  EXPECT_NE(motion.reason, EstimateReason::kNone);
 }
 
 TEST_P(EgomotionFaultsTest, AReseedCountsAResetAndKeepsThePoseUncertain) {

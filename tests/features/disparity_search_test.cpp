@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
 #include "egomod/features/corners.hpp"
 #include "test_images.hpp"
@@ -25,7 +26,8 @@ struct Outcome {
 
 // Disparities further than one pixel from `truth_px(u, v)` are wrong.
 template <class Truth>
-Outcome run(const Rig& rig, Truth truth_px, int min_u_px, const DisparityConfig& config = {}) {
+Outcome run(const Rig& rig, Truth truth_px, int min_u_px, const DisparityConfig& config = {},
+            std::optional<PixelPosition> right_shift = {}) {
   Pyramid left, right;
   left.build(rig.left.view(), 2);
   right.build(rig.right.view(), 2);
@@ -37,7 +39,9 @@ Outcome run(const Rig& rig, Truth truth_px, int min_u_px, const DisparityConfig&
     if (c.position.u_px >= min_u_px) points.push_back(c.position);
   std::vector<DisparityMatch> matches(points.size());
   DisparitySearch search(config);
-  search.search(left, right, points, matches);
+  std::vector<PixelPosition> shifts;
+  if (right_shift) shifts.resize(points.size(), *right_shift);
+  search.search(left, right, points, matches, shifts);
   Outcome outcome;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const DisparityMatch& m = matches[i];
@@ -122,6 +126,20 @@ TEST(DisparitySearchTest, ToleratesOneRowOfMisalignment) {
                                    [&](int u, int v) { return texture(u + 33.0, v - rows); })};
     const Outcome o = run(
         rig, [](int, int) { return 33.0; }, 60);
+    EXPECT_EQ(o.wrong, 0);
+    EXPECT_GE(o.found, 0.9 * o.all());
+  }
+}
+
+TEST(DisparitySearchTest, SeeksWhereTheRightImageIsKnownToBeDisplaced) {
+  const testing::SpottedTexture texture(kWidth_px + 300, kHeight_px + 8, 43);
+  for (const PixelPosition shift : {PixelPosition{-5, 3}, PixelPosition{8, -4}}) {
+    const Rig rig{testing::painted(kWidth_px, kHeight_px, texture),
+                  testing::painted(kWidth_px, kHeight_px, [&](int u, int v) {
+                    return texture(u + 33.0 - shift.u_px, v - shift.v_px);
+                  })};
+    const Outcome o = run(
+        rig, [](int, int) { return 33.0; }, 60, {}, shift);
     EXPECT_EQ(o.wrong, 0);
     EXPECT_GE(o.found, 0.9 * o.all());
   }

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -341,6 +342,19 @@ TEST_F(FeatureTrackerTest, NothingIsAllocatedOnceRunning) {
   for (int i = 0; i < 20; ++i) track(pair(i));
   const long before = g_allocations;
   for (int i = 20; i < kPairs; ++i) track(pair(i));
+  EXPECT_EQ(g_allocations - before, 0);
+}
+
+// As where clocks run free: pairs with a skew come between those without.
+TEST_F(FeatureTrackerTest, ASkewAllocatesNothingEither) {
+  std::vector<StereoPair> skewed;
+  for (int i = 20; i < kPairs; ++i) {
+    skewed.push_back(pair_at(*world_, i / kRate_hz, std::uint64_t(i)));
+    skewed.back().right_exposure += std::chrono::milliseconds(10);
+  }
+  for (int i = 0; i < 20; ++i) track(pair(i));
+  const long before = g_allocations;
+  for (const StereoPair& pair : skewed) track(pair);
   EXPECT_EQ(g_allocations - before, 0);
 }
 

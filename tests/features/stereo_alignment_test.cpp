@@ -77,6 +77,31 @@ TEST_F(StereoAlignmentTest, WrongMatchesAreFoundOut) {
   }
 }
 
+// The right images displaced as a skew does it, between pixels along both axes.
+TEST_F(StereoAlignmentTest, AShiftedRightImageGivesTheSameDisparityAndClosesTheCircle) {
+  const double d = static_cast<double>(kDisparity_px);
+  constexpr double kShiftU_px = -3.4, kBeforeU_px = 2.2;
+  for (const double shift_v_px : {-1.2, -0.5, 0.3, 0.8}) {
+    take(previous_, shifted(texture_, 0.0, 0.0), shifted(texture_, d - kBeforeU_px, shift_v_px));
+    take(current_, shifted(texture_, -kFlowU_px, -kFlowV_px),
+         shifted(texture_, d - kFlowU_px - kShiftU_px, -kFlowV_px - shift_v_px));
+    const StereoMeasurement start{
+        .disparity_px = kDisparity_px + 0.8F,
+        .skew_shift = {static_cast<float>(kShiftU_px), static_cast<float>(shift_v_px)}};
+    point_.stereo = align_stereo(current_, point_.left, start);
+    EXPECT_TRUE(point_.stereo.valid) << shift_v_px;
+    EXPECT_NEAR(point_.stereo.disparity_px, kDisparity_px, kMaxError_px) << shift_v_px;
+    EXPECT_GT(point_.stereo.ncc, 0.98F) << shift_v_px;
+    EXPECT_TRUE(is_consistent(current_, point_.left, point_.stereo)) << shift_v_px;
+    point_.previous_stereo.skew_shift = {static_cast<float>(kBeforeU_px),
+                                         -static_cast<float>(shift_v_px)};
+    EXPECT_TRUE(closes_circle(previous_, current_, point_)) << shift_v_px;
+    FollowedPoint wrong = point_;
+    wrong.stereo.skew_shift = {};
+    EXPECT_FALSE(closes_circle(previous_, current_, wrong)) << shift_v_px;
+  }
+}
+
 TEST_F(StereoAlignmentTest, ALeftPointThatSlidDoesNotCloseTheCircle) {
   FollowedPoint slid = point_;
   slid.left.v_px += 2.0F;

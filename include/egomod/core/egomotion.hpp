@@ -28,7 +28,7 @@ enum class EstimateReason : std::uint8_t {
   kDegenerate,  // the tracks do not constrain all six degrees of freedom
   kNotConverged,
   kPairRejected,  // capture rejected the pair
-  kHole,          // composed over a hole in the stream
+  kHole,          // pairs were missing; tracks bridge the hole, the motion in it is composed
   kReseeded,      // no track bridges the hole: no motion assumed, covariance inflated
   kMoverDominates,
   kRecalibrated,  // the calibration changed: no motion assumed, covariance inflated

@@ -9,6 +9,7 @@
 #include "egomod/core/track_set.hpp"
 #include "egomod/egomotion/correspondence.hpp"
 #include "egomod/egomotion/gauss_newton_solver.hpp"
+#include "egomod/egomotion/interval_watch.hpp"
 #include "egomod/egomotion/pose_accumulator.hpp"
 #include "egomod/egomotion/rival_finder.hpp"
 #include "egomod/egomotion/sigma_point_solver.hpp"
@@ -80,7 +81,7 @@ class EgomotionEstimator {
   void adapt_noise_scale();
   [[nodiscard]] double lasting_share(const TrackSet& tracks) const;
   [[nodiscard]] VelocityState unknown_velocity() const;
-  [[nodiscard]] bool over_a_hole(const TrackSet& tracks) const;
+  void watch_for_holes(const TrackSet& tracks);
 
   EgomotionConfig config_;
   GaussNewtonSolver gauss_newton_;
@@ -103,7 +104,9 @@ class EgomotionEstimator {
   int contradicted_pairs_ = 0;  // in a row, that no motion against the map explains
   bool has_velocity_ = false;
   std::uint64_t last_tracked_sequence_ = 0;
-  std::uint64_t skipped_ = 0;          // by capture.max_rate_hz since then
+  std::uint64_t skipped_ = 0;  // by capture.max_rate_hz since then
+  IntervalWatch interval_watch_;
+  bool after_hole_ = false;            // no motion was found since pairs were missing
   Nanoseconds map_exposure_{0};        // of the pair that the map was aligned to
   Nanoseconds reference_exposure_{0};  // of the pair that motions are measured from
   double dt_s_ = 0.0;

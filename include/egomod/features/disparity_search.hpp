@@ -42,9 +42,10 @@ class DisparitySearch {
   explicit DisparitySearch(const DisparityConfig& config);
 
   // Both pyramids need two levels (else every corner is kOutside). `matches` is parallel to
-  // `corners`.
+  // `corners`, and so is `right_shifts`, unless it is empty: how far the right image shows each
+  // corner displaced, whatever its disparity. Matches come without that shift.
   void search(const Pyramid& left, const Pyramid& right, std::span<const PixelPosition> corners,
-              std::span<DisparityMatch> matches);
+              std::span<DisparityMatch> matches, std::span<const PixelPosition> right_shifts = {});
 
  private:
   DisparityConfig config_;
