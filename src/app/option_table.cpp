@@ -41,6 +41,7 @@ constexpr Option kOptions[] = {
 
     NUMBER(capture.max_rate_hz, 0, 1000, "Hz", "Pairs a second that reach the features; 0: every pair"),
     NUMBER(capture.max_skew_s, 0, 10, "s", "Largest time between the exposures of a pair; 0: half a frame interval"),
+    NUMBER(capture.wheels_max_age_s, 0, 10, "s", "Largest time between two messages of PIONEER_ODOMETRY, or since the last one, within which the wheels count"),
     TEXT(capture.left_channel, "bot_core.image_t channel of the left camera, for log and lcm; empty: EGOMOD_IMAGES"),
     TEXT(capture.right_channel, "The same of the right camera"),
 
@@ -86,6 +87,10 @@ constexpr Option kOptions[] = {
     NUMBER(egomotion.rival.overwhelming_ratio, 1, 1000, "", "A motion with so many times the other's support is the world's, whatever the past"),
     NUMBER(egomotion.rival.acceleration_sigma_mps2, 0.001, 1000, "m/s^2", "How a rig may change its velocity, to decide between the two"),
     NUMBER(egomotion.rival.turn_acceleration_sigma_radps2, 0.001, 1000, "rad/s^2", "How it may change its turn rate"),
+
+    SWITCH(egomotion.wheels.enable, "PIONEER_ODOMETRY, if it comes, decides between motions that images leave open"),
+    NUMBER(egomotion.wheels.sigma_per_m, 0, 10, "m/m", "What slip makes of the wheels' way, standard deviation"),
+    NUMBER(egomotion.wheels.sigma_per_rad, 0, 10, "rad/rad", "The same of their turns"),
 
     CHOICE(moving_objects.method, kMovingObjectsMethods, "Two pairs, RANSAC outliers and a speed threshold (thesis), each pair against an earlier one, whitened (lag), or evidence from a standing and a moving filter of each track (filter)"),
     NUMBER(moving_objects.threshold_mps, 0, 100, "m/s", "thesis: a faster point moves; 0: from the Rayleigh scales below"),

@@ -16,6 +16,7 @@
 #include "capture/receive_buffer.hpp"
 #include "capture/rig_file.hpp"
 #include "capture/sources.hpp"
+#include "capture/wheel_track.hpp"
 
 namespace egomod {
 namespace {
@@ -34,6 +35,7 @@ class LcmSource final : public FrameSource {
         receive_buffer_(granted_bytes(url_, allowed_receive_buffer_bytes())),
         receiver_(config, !calibration),
         rate_(config.max_rate_hz),
+        wheels_(config.wheels_max_age_s),
         bus_(bus) {
     if (calibration) prepare(*calibration);
     if (bus_ != nullptr) subscribe();
@@ -132,6 +134,7 @@ class LcmSource final : public FrameSource {
     pair.right_exposure = decision.nearest_right.value_or(pair.exposure);
     pair.discontinuity = decision.discontinuity;
     pair.arrival = left.arrival;
+    pair.wheels = wheels_at(pair.exposure);
     const bool is_due = rate_.is_due(pair.exposure);
     if (!decision.is_accepted) {
       PairPreparer::reject(pair, decision.nearest_right ? PairFault::kSkew : PairFault::kNoPartner);
@@ -152,10 +155,24 @@ class LcmSource final : public FrameSource {
     }
   }
 
+  [[nodiscard]] std::optional<WheelPose> wheels_at(Nanoseconds exposure) const {
+    const std::lock_guard lock(wheels_mutex_);
+    return wheels_.at(exposure);
+  }
+
   static void on_message(const lcm::ReceiveBuffer* buffer, const std::string& channel,
                          LcmSource* self) {
     self->receiver_.receive(channel,
                             {static_cast<const std::uint8_t*>(buffer->data), buffer->data_size});
+  }
+
+  static void on_odometry(const lcm::ReceiveBuffer* buffer, const std::string& /*channel*/,
+                          LcmSource* self) {
+    const auto reading =
+        decode_odometry({static_cast<const std::uint8_t*>(buffer->data), buffer->data_size});
+    if (!reading) return;
+    const std::lock_guard lock(self->wheels_mutex_);
+    self->wheels_.add(*reading);
   }
 
   void subscribe() {
@@ -165,6 +182,8 @@ class LcmSource final : public FrameSource {
       if (channel.empty()) continue;
       subscriptions_.push_back(bus_->subscribeFunction(channel, &LcmSource::on_message, this));
     }
+    subscriptions_.push_back(
+        bus_->subscribeFunction(kOdometryChannel, &LcmSource::on_odometry, this));
     const std::lock_guard lock(mutex_);
     is_connected_ = true;
   }
@@ -204,6 +223,8 @@ class LcmSource final : public FrameSource {
   ImageReceiver receiver_;
   RateLimiter rate_;
   ImageDecoder decoder_;
+  mutable std::mutex wheels_mutex_;
+  WheelTrack wheels_;
   std::uint64_t sequence_ = 0;
   mutable std::mutex mutex_;
   std::condition_variable_any retry_;

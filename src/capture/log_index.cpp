@@ -3,18 +3,25 @@
 
 #include <algorithm>
 #include <chrono>
+#include <span>
 #include <string>
 #include <utility>
 
 #include "capture/channels.hpp"
 #include "capture/image_decoder.hpp"
 #include "capture/pairing.hpp"
+#include "capture/wheel_track.hpp"
 #include "egomod/capture/frame_source.hpp"
 
 namespace egomod {
 namespace {
 
 using Images = std::vector<LogImage>;
+
+struct SegmentReading {
+  WheelReading reading;
+  int segment = 0;  // as of images
+};
 
 class Indexer {
  public:
@@ -23,6 +30,8 @@ class Indexer {
   void add(const LogEvent& event) {
     if (event.channel == kCalibrationChannel) {
       add_calibration(event);
+    } else if (event.channel == kOdometryChannel) {
+      add_odometry(event);
     } else if (event.channel == channels_.both || event.channel == channels_.left ||
                event.channel == channels_.right) {
       add_images(event);
@@ -31,6 +40,7 @@ class Indexer {
 
   Images left;
   Images right;
+  std::vector<SegmentReading> odometry;
   std::vector<TimedCalibration> calibrations;
   std::uint64_t untimed_messages = 0;
 
@@ -46,6 +56,13 @@ class Indexer {
     const auto calibration = is_read ? decode_calibration(bytes) : std::nullopt;
     if (!calibration) fail(event, "is not an egomod.calibration_t; name a rig file with --rig");
     calibrations.push_back(*calibration);
+  }
+
+  // Only a prior: what is none is left out.
+  void add_odometry(const LogEvent& event) {
+    std::vector<std::uint8_t> bytes(event.data_bytes);
+    if (!log_.read(event.data_offset, bytes)) return;
+    if (const auto reading = decode_odometry(bytes)) odometry.push_back({*reading, segment_});
   }
 
   void add_images(const LogEvent& event) {
@@ -147,6 +164,18 @@ void append_pairs(const Images& left, const Images& right, double max_skew_s,
   }
 }
 
+void add_wheels(std::span<const SegmentReading> odometry, int segment, double max_age_s,
+                std::span<LogPair> pairs) {
+  std::vector<WheelReading> readings;
+  for (const SegmentReading& of : odometry) {
+    if (of.segment == segment) readings.push_back(of.reading);
+  }
+  std::vector<Nanoseconds> times;
+  for (const LogPair& pair : pairs) times.push_back(pair.left.record.exposure());
+  const auto poses = wheel_poses(readings, times, max_age_s);
+  for (std::size_t i = 0; i < pairs.size(); ++i) pairs[i].wheels = poses[i];
+}
+
 }  // namespace
 
 LogIndex index_log(LogFile& log, const CaptureConfig& config) {
@@ -159,8 +188,11 @@ LogIndex index_log(LogFile& log, const CaptureConfig& config) {
   index.untimed_messages = indexer.untimed_messages;
   const int segments = indexer.left.empty() ? 0 : indexer.left.back().segment + 1;
   for (int segment = 0; segment < segments; ++segment) {
+    const std::size_t first = index.pairs.size();
     append_pairs(take_segment(indexer.left, segment), take_segment(indexer.right, segment),
                  config.max_skew_s, index.pairs);
+    add_wheels(indexer.odometry, segment, config.wheels_max_age_s,
+               std::span(index.pairs).subspan(first));
   }
   return index;
 }

@@ -9,6 +9,7 @@
 #include "capture/image_message.hpp"
 #include "capture/log_file.hpp"
 #include "egomod/capture/capture_config.hpp"
+#include "egomod/core/wheels.hpp"
 
 namespace egomod {
 
@@ -24,6 +25,7 @@ struct LogPair {
   std::optional<LogImage> right;  // the nearest one
   bool is_accepted = false;       // within the skew limit
   bool discontinuity = false;     // the first pair of a new segment
+  std::optional<WheelPose> wheels{};
 
   [[nodiscard]] bool is_damaged() const { return left.is_damaged || (right && right->is_damaged); }
 };

@@ -105,6 +105,7 @@ class LogSource final : public FrameSource {
     pair.exposure = left.exposure();
     pair.right_exposure = found.right ? found.right->record.exposure() : left.exposure();
     pair.discontinuity = found.discontinuity;
+    pair.wheels = found.wheels;
     const bool is_due = rate_.is_due(pair.exposure);
     if (!found.is_accepted || found.is_damaged()) {
       PairPreparer::reject(pair, fault_of(found));

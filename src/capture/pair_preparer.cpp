@@ -70,6 +70,7 @@ void PairPreparer::begin(StereoPair& pair) {
   pair.fault = PairFault::kNone;
   pair.discontinuity = false;
   pair.epoch_offset = Nanoseconds(0);
+  pair.wheels.reset();
   pair.left.resize(0, 0);
   pair.right.resize(0, 0);
 }

@@ -21,6 +21,7 @@
 #include "capture/pair_preparer.hpp"
 #include "capture/rig_file.hpp"
 #include "capture/sim_link.hpp"
+#include "capture/wheel_track.hpp"
 
 namespace egomod {
 namespace {
@@ -61,6 +62,7 @@ struct Arrived {
   Nanoseconds arrival{0};
   std::vector<std::uint8_t> truth_pose;
   std::vector<std::uint8_t> truth_objects;
+  std::vector<std::uint8_t> odometry;
 };
 
 class SimSource final : public FrameSource {
@@ -69,7 +71,8 @@ class SimSource final : public FrameSource {
       : realtime_(settings.realtime),
         link_(settings.program, arguments_of(settings), settings.patience),
         pairing_(config.max_skew_s),
-        rate_(config.max_rate_hz) {
+        rate_(config.max_rate_hz),
+        wheels_(config.wheels_max_age_s) {
     static_cast<void>(link_.wait({}));
     const auto hello = link_.read<protocol::Hello>();
     if (hello.kind != protocol::Kind::kHello || hello.version != protocol::kVersion) {
@@ -151,27 +154,39 @@ class SimSource final : public FrameSource {
 
   void take_shot() {
     const auto shot = link_.read<protocol::Shot>();
-    const auto truth = link_.behind<protocol::Shot>();
     const bool is_left = shot.eye == protocol::Eye::kLeft;
     require_whole(shot, is_left ? preparer_->left_size() : preparer_->right_size());
-    if (std::size_t{shot.truth_pose_bytes} + shot.truth_objects_bytes != truth.size()) {
-      SimLink::fail_as_garbage("truth that is not whole");
-    }
     Arrived& arrived = arrived_[shot.slot];
     arrived.shot = shot;
     arrived.arrival = Clock::now().time_since_epoch();
-    const auto pose = truth.first(shot.truth_pose_bytes);
-    const auto objects = truth.subspan(shot.truth_pose_bytes);
-    if (is_left) {
+    take_messages(shot, arrived);
+    const LivePairing::Entry entry{std::chrono::microseconds(shot.exposure_us), shot.slot};
+    const auto displaced = is_left ? pairing_.add_left(entry) : pairing_.add_right(entry);
+    free(displaced);
+    while (const auto stale = pairing_.take_stale()) free(stale);
+  }
+
+  // What lies behind an image.
+  void take_messages(const protocol::Shot& shot, Arrived& arrived) {
+    const auto bytes = link_.behind<protocol::Shot>();
+    const std::size_t truth_bytes = std::size_t{shot.truth_pose_bytes} + shot.truth_objects_bytes;
+    if (truth_bytes + shot.odometry_bytes != bytes.size()) {
+      SimLink::fail_as_garbage("truth that is not whole");
+    }
+    const auto pose = bytes.first(shot.truth_pose_bytes);
+    const auto objects = bytes.subspan(shot.truth_pose_bytes, shot.truth_objects_bytes);
+    const auto odometry = bytes.subspan(truth_bytes);
+    if (shot.eye == protocol::Eye::kLeft) {
       require_type<truth_pose_t>(pose);
       require_type<truth_object_list_t>(objects);
     }
     arrived.truth_pose.assign(pose.begin(), pose.end());
     arrived.truth_objects.assign(objects.begin(), objects.end());
-    const LivePairing::Entry entry{std::chrono::microseconds(shot.exposure_us), shot.slot};
-    const auto displaced = is_left ? pairing_.add_left(entry) : pairing_.add_right(entry);
-    free(displaced);
-    while (const auto stale = pairing_.take_stale()) free(stale);
+    arrived.odometry.assign(odometry.begin(), odometry.end());
+    if (odometry.empty()) return;
+    const auto reading = decode_odometry(odometry);
+    if (!reading) SimLink::fail_as_garbage("something else as odometry_t");
+    wheels_.add(*reading);
   }
 
   void require_whole(const protocol::Shot& shot, ImageSize expected) const {
@@ -191,7 +206,8 @@ class SimSource final : public FrameSource {
     pair.right_exposure = decision.right ? decision.right->exposure : pair.exposure;
     pair.discontinuity = decision.discontinuity;
     pair.arrival = left.arrival;
-    enclose_truth(left, pair);
+    pair.wheels = wheels_.at(pair.exposure);
+    enclose(left, pair);
     count_missing(left.shot.sequence, decision.lost);
     const bool is_due = rate_.is_due(pair.exposure);
     if (!decision.is_accepted) {
@@ -224,12 +240,17 @@ class SimSource final : public FrameSource {
     return {slots_.slot(shot.slot), shot.width_px, shot.height_px, shot.stride_bytes};
   }
 
-  static void enclose_truth(const Arrived& left, StereoPair& pair) {
-    pair.enclosed.resize(2);
+  // The simulator itself puts the odometry on the bus.
+  static void enclose(const Arrived& left, StereoPair& pair) {
+    pair.enclosed.resize(left.odometry.empty() ? 2 : 3);
     pair.enclosed[0].channel = "SIM_TRUTH_POSE";
     pair.enclosed[0].bytes = left.truth_pose;
     pair.enclosed[1].channel = "SIM_TRUTH_OBJECTS";
     pair.enclosed[1].bytes = left.truth_objects;
+    if (left.odometry.empty()) return;
+    pair.enclosed[2].channel = kOdometryChannel;
+    pair.enclosed[2].bytes = left.odometry;
+    pair.enclosed[2].is_for_bus = false;
   }
 
   void give_back(const LivePairing::Decision& decision) {
@@ -253,6 +274,7 @@ class SimSource final : public FrameSource {
   SharedSlots slots_;
   LivePairing pairing_;
   RateLimiter rate_;
+  WheelTrack wheels_;
   std::optional<PairPreparer> preparer_;  // set by the constructor
   std::uint64_t size_ = 0;
   std::array<Arrived, protocol::kSlots> arrived_;

@@ -27,6 +27,10 @@ constexpr double kMostLasting = 4.0;
 constexpr std::size_t kTracksToStartAnew = 20;
 constexpr int kMaxAmbiguousQuality = 20;
 constexpr double kInliersOfFullQuality = 100.0;
+// Of the tracks: so many that are known to stand still, or without a map so many that move as one,
+// outweigh wheels.
+constexpr double kKnownShare = 0.4;
+constexpr double kExplainedShare = 0.8;
 // A map that contradicts this many pairs in a row is wrong itself.
 constexpr int kMostContradictedPairs = 3;
 
@@ -37,6 +41,7 @@ EgomotionEstimator::EgomotionEstimator(const EgomotionConfig& config)
       gauss_newton_(config.gauss_newton, config.ransac),
       sigma_point_(config.sigma_point_filter, config.ransac),
       rival_finder_(config.rival, config.gauss_newton, config.ransac),
+      wheels_prior_(config.wheels),
       map_(config.track_map),
       velocity_(unknown_velocity()),
       habit_(velocity_) {}
@@ -74,10 +79,14 @@ void EgomotionEstimator::follow(const TrackSet& tracks, Egomotion& motion) {
   const EstimateReason failure = judge(solution, motion);
   if (failure != EstimateReason::kNone) return fail(failure, tracks, motion);
   Solution other;
-  const bool ambiguous = weigh_rival(tracks, solution, other, motion);
-  accept(tracks, solution, motion);
-  if (ambiguous) {
-    doubt(other, motion);
+  const bool has_rival = weigh_rival(tracks, solution, other, motion);
+  const bool contradicted = wheels_contradict(solution, motion);
+  accept(tracks, solution, contradicted, motion);
+  if (has_rival) {
+    doubt(other, EstimateReason::kMoverDominates, motion);
+  } else if (contradicted) {
+    doubt({wheels_->T_previous_current, wheels_->covariance}, EstimateReason::kWheelsContradict,
+          motion);
   } else {
     to_other_pose_.setZero();
   }
@@ -132,12 +141,14 @@ void EgomotionEstimator::start_anew(EstimateReason reason, const TrackSet& track
   map_.update(tracks.camera, tracks.tracks, pose_.T_first_current(), Matrix6d::Zero(),
               noise_scale_);
   reference_exposure_ = map_exposure_ = tracks.exposure;
+  wheels_prior_.begin_at(tracks);
 }
 
 void EgomotionEstimator::advance_to(const TrackSet& tracks, Egomotion& motion) {
   if (!config_.map) reference_exposure_ = tracks.previous_exposure;
   motion.previous_exposure = reference_exposure_;
   dt_s_ = std::max(kMinDtS, to_seconds(tracks.exposure - reference_exposure_));
+  wheels_ = wheels_prior_.motion_to(tracks, dt_s_);
   if (config_.map) map_.align(tracks.tracks, to_seconds(tracks.exposure - map_exposure_));
   map_exposure_ = tracks.exposure;
 }
@@ -245,7 +256,8 @@ bool EgomotionEstimator::weigh_rival(const TrackSet& tracks, Solution& solution,
   if (tracks.previous_exposure != reference_exposure_) return false;
   Rival rival;
   const std::span<const MapPoint> map = config_.map ? map_.points() : std::span<const MapPoint>{};
-  if (!rival_finder_.find(tracks, solution, motion.roles, map, noise_scale_, habit_, dt_s_, rival))
+  const VelocityPrior prior{habit_, dt_s_, wheels_ ? &*wheels_ : nullptr};
+  if (!rival_finder_.find(tracks, solution, motion.roles, map, noise_scale_, prior, rival))
     return false;
   other = rival.solution;
   if (!rival.preferred) return true;
@@ -254,10 +266,29 @@ bool EgomotionEstimator::weigh_rival(const TrackSet& tracks, Solution& solution,
   return true;
 }
 
+// Either all that is seen moves, or the wheels have lost their grip: most of what is seen may have
+// been known for long to stand still.
+bool EgomotionEstimator::wheels_contradict(const Solution& solution,
+                                           const Egomotion& motion) const {
+  return wheels_ && wheels_->surprise(solution) > kContradiction && !is_surely_static(motion);
+}
+
+bool EgomotionEstimator::is_surely_static(const Egomotion& motion) const {
+  double used = 0.0;
+  double known = 0.0;
+  for (std::size_t k = 0; k < motion.roles.size(); ++k) {
+    if (motion.roles[k] == TrackRole::kUnused) continue;
+    used += 1.0;
+    if (motion.roles[k] == TrackRole::kInlier)
+      known += config_.map ? known_static(map_.points()[k]) : 1.0;
+  }
+  return known > (config_.map ? kKnownShare : kExplainedShare) * used;
+}
+
 // If the other motion is the rig's, so it was all the time: the poses drift apart by the sum.
-void EgomotionEstimator::doubt(const Solution& other, Egomotion& motion) {
+void EgomotionEstimator::doubt(const Solution& other, EstimateReason reason, Egomotion& motion) {
   motion.status = EstimateStatus::kAmbiguous;
-  motion.reason = EstimateReason::kMoverDominates;
+  motion.reason = reason;
   motion.quality = std::min(motion.quality, kMaxAmbiguousQuality);
   const Vector6d to_other = se3_log(motion.T_previous_current.inverse() * other.T_previous_current);
   motion.covariance_previous_current += to_other * to_other.transpose() + other.covariance;
@@ -267,7 +298,7 @@ void EgomotionEstimator::doubt(const Solution& other, Egomotion& motion) {
               other.covariance);
 }
 
-void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution,
+void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution, bool is_doubted,
                                 Egomotion& motion) {
   motion.status = EstimateStatus::kValid;
   contradicted_pairs_ = 0;
@@ -287,8 +318,9 @@ void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution
   adapt_noise_scale();
   if (config_.map)
     map_.update(tracks.camera, tracks.tracks, pose_.T_first_current(), solution.covariance,
-                noise_scale_);
+                noise_scale_, is_doubted);
   reference_exposure_ = tracks.exposure;
+  wheels_prior_.keep(tracks, solution, dt_s_);
 }
 
 void EgomotionEstimator::keep_velocity(const Egomotion& motion) {

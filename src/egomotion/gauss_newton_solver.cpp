@@ -23,6 +23,21 @@ Solution GaussNewtonSolver::solve(const StereoCamera& camera,
   GaussNewtonResult best = gn.refine(expected, kWideStart);
   if (!best.solvable || gn.support(best.T_previous_current) < kMajority * gn.total_weight())
     try_other_starts(expected, sequence, best);
+  return finished(camera, correspondences, best);
+}
+
+Solution GaussNewtonSolver::solve_near(const StereoCamera& camera,
+                                       std::span<const Correspondence> correspondences,
+                                       const Eigen::Isometry3d& start) {
+  gauss_newton_.prepare(camera, correspondences, start,
+                        stride_to_come_near(correspondences.size()));
+  return finished(camera, correspondences, gauss_newton_.refine(start, 1.0));
+}
+
+Solution GaussNewtonSolver::finished(const StereoCamera& camera,
+                                     std::span<const Correspondence> correspondences,
+                                     GaussNewtonResult best) {
+  RobustGaussNewton& gn = gauss_newton_;
   if (best.solvable) {  // once more, with all, their covariances projected where they really are
     gn.prepare(camera, correspondences, best.T_previous_current);
     best = gn.refine(best.T_previous_current, 1.0);

@@ -14,13 +14,12 @@ namespace {
 
 constexpr double kHidden = 0.5;  // at most this share of a mover's tracks passes for static
 constexpr std::size_t kMinTracks = 20;
-constexpr double kMinShare = 0.1;       // of all cells, that tell the two motions apart
-constexpr double kUpdatesToKnow = 15;   // of a track in the map
+constexpr double kMinShare = 0.1;
 constexpr double kMaxSurprise = 100.0;  // beyond it nothing is told apart any more
-
-double knowledge(const MapPoint& point) {
-  return point.static_weight * std::min(1.0, point.updates / kUpdatesToKnow);
-}
+// Of a motion that the wheels confirm, while they do not confirm the estimate.
+constexpr std::size_t kMinTracksConfirmed = 10;
+constexpr double kMinShareConfirmed = 0.03;
+constexpr double kMinRatioConfirmed = 0.05;
 
 double score(const Support& support) {
   return std::log1p(support.cells) + std::log1p(support.known_static) -
@@ -31,33 +30,54 @@ double score(const Support& support) {
 
 bool RivalFinder::find(const TrackSet& tracks, const Solution& estimate,
                        std::span<const TrackRole> roles, std::span<const MapPoint> map,
-                       double noise_scale, const VelocityState& velocity, double dt_s,
-                       Rival& rival) {
-  found_ = search(tracks, estimate, roles, map, noise_scale, velocity, dt_s, rival);
+                       double noise_scale, const VelocityPrior& prior, Rival& rival) {
+  is_suspected_ = prior.wheels != nullptr && prior.wheels->surprise(estimate) > kSuspicion;
+  found_ = search(tracks, estimate, roles, map, noise_scale, prior, rival);
   return found_;
+}
+
+RivalFinder::Least RivalFinder::least() const {
+  const double ratio = found_ ? config_.ratio_to_stay : config_.min_support_ratio;
+  if (!is_suspected_) return {kMinTracks, kMinShare, ratio};
+  return {kMinTracksConfirmed, kMinShareConfirmed, std::min(ratio, kMinRatioConfirmed)};
 }
 
 bool RivalFinder::search(const TrackSet& tracks, const Solution& estimate,
                          std::span<const TrackRole> roles, std::span<const MapPoint> map,
-                         double noise_scale, const VelocityState& velocity, double dt_s,
-                         Rival& rival) {
+                         double noise_scale, const VelocityPrior& prior, Rival& rival) {
   reserve(tracks.tracks.size());
   if (!enough_outliers(tracks, roles)) return false;
   gather(tracks, roles, noise_scale);
-  if (unexplained_.size() < kMinTracks) return false;
-  rival.solution =
-      solver_.solve(tracks.camera, unexplained_, estimate.T_previous_current, tracks.sequence);
+  if (unexplained_.size() < least().tracks) return false;
+  rival.solution = is_suspected_ ? confirmed(tracks, estimate, *prior.wheels)
+                                 : among_unexplained(tracks, estimate.T_previous_current);
   if (rival.solution.failure != EstimateReason::kNone) return false;
   vote(tracks, estimate.T_previous_current, rival.solution.T_previous_current, map);
   Support for_estimate;
   Support for_rival;
   count_support(for_estimate, for_rival);
-  const double least = std::max(kMinShare * occupied_cells(), least_ratio() * for_estimate.cells);
-  if (for_rival.cells < least) return false;
-  for_estimate.surprise = surprise(estimate, velocity, dt_s);
-  for_rival.surprise = surprise(rival.solution, velocity, dt_s);
-  rival.preferred = prefers(for_rival, for_estimate);
+  for_estimate.surprise = surprise(estimate, prior);
+  for_rival.surprise = surprise(rival.solution, prior);
+  if (is_suspected_ && for_rival.surprise > kSuspicion) is_suspected_ = false;  // not confirmed
+  const auto [unused, share, ratio] = least();
+  if (for_rival.cells < std::max(share * occupied_cells(), ratio * for_estimate.cells))
+    return false;
+  rival.preferred = prefers(for_rival, for_estimate, prior.wheels != nullptr);
   return true;
+}
+
+Solution RivalFinder::among_unexplained(const TrackSet& tracks, const Eigen::Isometry3d& start) {
+  return solver_.solve(tracks.camera, unexplained_, start, tracks.sequence);
+}
+
+// Where the map knows little yet an estimate explains tracks of both motions: all are asked then.
+Solution RivalFinder::confirmed(const TrackSet& tracks, const Solution& estimate,
+                                const WheelsMotion& wheels) {
+  const Solution first = among_unexplained(tracks, wheels.T_previous_current);
+  if (first.failure == EstimateReason::kNone && wheels.surprise(first) < kSuspicion) return first;
+  const Solution near = solver_.solve_near(tracks.camera, all_, wheels.T_previous_current);
+  if (near.failure == EstimateReason::kNone && wheels.surprise(near) < kSuspicion) return near;
+  return among_unexplained(tracks, estimate.T_previous_current);
 }
 
 // Before movers come, so that their coming allocates nothing.
@@ -95,7 +115,7 @@ bool RivalFinder::enough_outliers(const TrackSet& tracks, std::span<const TrackR
   Support inliers;
   Support outliers;
   count_support(inliers, outliers);
-  return outliers.cells >= kHidden * least_ratio() * inliers.cells;
+  return outliers.cells >= kHidden * least().ratio * inliers.cells;
 }
 
 void RivalFinder::gather(const TrackSet& tracks, std::span<const TrackRole> roles,
@@ -131,7 +151,7 @@ void RivalFinder::vote(const TrackSet& tracks, const Eigen::Isometry3d& T_estima
     if (fits_estimate == fits_rival) continue;
     Votes& votes = fits_estimate ? cell.estimate : cell.rival;
     ++votes.tracks;
-    if (!map.empty()) votes.knowledge += knowledge(map[all_[k].track]);
+    if (!map.empty()) votes.knowledge += known_static(map[all_[k].track]);
   }
 }
 
@@ -146,20 +166,21 @@ void RivalFinder::count_support(Support& estimate, Support& rival) const {
   }
 }
 
-double RivalFinder::surprise(const Solution& solution, const VelocityState& velocity,
-                             double dt_s) const {
-  const Vector6d y = velocity_of(solution.T_previous_current, dt_s);
-  const Matrix6d to_velocity = motion_perturbation_of_velocity(y, dt_s).inverse();
-  const Matrix6d change = diagonal_covariance(config_.acceleration_sigma_mps2 * dt_s,
-                                              config_.turn_acceleration_sigma_radps2 * dt_s);
+double RivalFinder::surprise(const Solution& solution, const VelocityPrior& prior) const {
+  if (prior.wheels != nullptr) return prior.wheels->surprise(solution);
+  const Vector6d y = velocity_of(solution.T_previous_current, prior.dt_s);
+  const Matrix6d to_velocity = motion_perturbation_of_velocity(y, prior.dt_s).inverse();
+  const Matrix6d change = diagonal_covariance(config_.acceleration_sigma_mps2 * prior.dt_s,
+                                              config_.turn_acceleration_sigma_radps2 * prior.dt_s);
   const Matrix6d S =
-      velocity.covariance + change + to_velocity * solution.covariance * to_velocity.transpose();
-  const Vector6d innovation = y - velocity.y;
+      prior.past.covariance + change + to_velocity * solution.covariance * to_velocity.transpose();
+  const Vector6d innovation = y - prior.past.y;
   return innovation.dot(S.ldlt().solve(innovation));
 }
 
-bool RivalFinder::prefers(const Support& rival, const Support& estimate) const {
-  if (rival.cells > config_.overwhelming_ratio * estimate.cells) return true;
+// With wheels a mover may own all but little of the image.
+bool RivalFinder::prefers(const Support& rival, const Support& estimate, bool has_wheels) const {
+  if (!has_wheels && rival.cells > config_.overwhelming_ratio * estimate.cells) return true;
   return score(rival) > score(estimate);
 }
 

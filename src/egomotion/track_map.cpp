@@ -15,6 +15,7 @@ namespace {
 
 // It moved, or was lost: it must earn its weight anew, or movers leak in each time they start over.
 constexpr double kWeightAfterReset = 0.02;
+constexpr double kUpdatesToKnow = 15;
 
 // What one pair sees of a point: innovation, its Jacobian in the point, its covariance.
 struct Innovation {
@@ -90,6 +91,10 @@ void fuse(const TrackMapConfig& config, const Innovation& i, MapPoint& point) {
 
 }  // namespace
 
+double known_static(const MapPoint& point) {
+  return point.static_weight * std::min(1.0, (point.updates - point.doubted) / kUpdatesToKnow);
+}
+
 void TrackMap::align(std::span<const Track> tracks, double dt_s) {
   const double fade = std::pow(config_.fade_per_s, dt_s);
   next_.clear();
@@ -106,7 +111,7 @@ void TrackMap::align(std::span<const Track> tracks, double dt_s) {
 
 void TrackMap::update(const StereoCamera& camera, std::span<const Track> tracks,
                       const Eigen::Isometry3d& T_first_current, const Matrix6d& pose_covariance,
-                      double noise_scale) {
+                      double noise_scale, bool is_doubted) {
   const View view{camera, T_first_current, T_first_current.inverse(), pose_covariance};
   for (std::size_t k = 0; k < tracks.size(); ++k) {
     const Track& track = tracks[k];
@@ -116,6 +121,7 @@ void TrackMap::update(const StereoCamera& camera, std::span<const Track> tracks,
     const Eigen::Matrix3d R = noise_scale * covariance(track.current);
     if (point.updates > 0 && point.static_weight < config_.reset_below_weight) {
       point.updates = 0;
+      point.doubted = 0;
       point.static_weight = kWeightAfterReset;
     }
     if (point.updates == 0) {
@@ -123,6 +129,7 @@ void TrackMap::update(const StereoCamera& camera, std::span<const Track> tracks,
       point.updates = 1;
       continue;
     }
+    point.doubted += is_doubted ? 1 : 0;
     const bool young = point.updates <= config_.linear_updates;
     fuse(config_,
          young ? innovation_in_space(view, point, z, R) : innovation_in_image(view, point, z, R),

@@ -135,6 +135,8 @@ void FeatureTracker::Implementation::track(const StereoPair& pair, TrackSet& tra
   tracks.pair_status = pair.status;
   tracks.discontinuity = pair.discontinuity;
   tracks.camera = pair.calibration.camera;
+  tracks.wheels = pair.wheels;
+  tracks.T_body_camera = pair.calibration.T_body_camera;
   tracks.tracks.clear();
   tracks.status = TrackStatus::kNotRun;
   if (!usable(pair)) return;

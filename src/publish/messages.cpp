@@ -15,6 +15,8 @@ using RowMajor66 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 static_assert(static_cast<int>(EstimateStatus::kAmbiguous) == pose_t::STATUS_AMBIGUOUS);
 static_assert(static_cast<int>(EstimateReason::kMoverDominates) == pose_t::REASON_MOVER_DOMINATES);
 static_assert(static_cast<int>(EstimateReason::kRecalibrated) == pose_t::REASON_RECALIBRATED);
+static_assert(static_cast<int>(EstimateReason::kWheelsContradict) ==
+              pose_t::REASON_WHEELS_CONTRADICT);
 
 std::int64_t microseconds(Nanoseconds t) {
   return std::chrono::duration_cast<std::chrono::microseconds>(t).count();

@@ -46,6 +46,20 @@ class Outlet {
     report(bus_.problem());
   }
 
+  // Into the record.
+  void keep(const EncodedMessage& message) {
+    const std::lock_guard lock(mutex_);
+    if (!record_) return;
+    try {
+      record_->write(message);
+    } catch (const RecordError& error) {
+      if (!live_) throw;
+      statistics_.record_problem = error.what();
+      warnings_.push_back(statistics_.record_problem + "; the record ends here");
+      record_.reset();
+    }
+  }
+
   // `is_recorded`: into the record too.
   void send(const EncodedMessage& message, bool is_recorded = true) {
     send_to_bus(message);
@@ -94,19 +108,6 @@ class Outlet {
   }
 
  private:
-  void keep(const EncodedMessage& message) {
-    const std::lock_guard lock(mutex_);
-    if (!record_) return;
-    try {
-      record_->write(message);
-    } catch (const RecordError& error) {
-      if (!live_) throw;
-      statistics_.record_problem = error.what();
-      warnings_.push_back(statistics_.record_problem + "; the record ends here");
-      record_.reset();
-    }
-  }
-
   // A replay says it once; live, each change is news.
   void report(const std::string& problem) {
     if (problem == reported_ || (!live_ && !reported_.empty())) return;
@@ -245,7 +246,9 @@ void Publisher::publish(const Frame& frame) {
   state.send_images(frame.pair);
   if (state.target.live || state.target.record_timing) state.send_timing(frame);
   for (const EnclosedMessage& message : frame.pair.enclosed) {
-    state.outlet.send({message.channel, frame.pair.utime_us(), message.bytes});
+    const EncodedMessage encoded{message.channel, frame.pair.utime_us(), message.bytes};
+    if (message.is_for_bus) state.outlet.send_to_bus(encoded);
+    state.outlet.keep(encoded);
   }
 }
 

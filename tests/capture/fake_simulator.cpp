@@ -11,9 +11,11 @@
 #include <cstdlib>
 #include <cstring>
 #include <egomod/calibration_t.hpp>
+#include <egomod/odometry_t.hpp>
 #include <egomod/truth_object_list_t.hpp>
 #include <egomod/truth_pose_t.hpp>
 #include <fstream>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -45,7 +47,7 @@ Image grey(int value, int width_px = kWidth_px, int height_px = kHeight_px) {
 
 class Camera {
  public:
-  explicit Camera(ImageServer& server) : server_(server) {}
+  Camera(ImageServer& server, bool has_wheels) : server_(server), has_wheels_(has_wheels) {}
 
   // Waits until it is asked for.
   void pair(int index, const std::string& world) {
@@ -65,7 +67,7 @@ class Camera {
     objects_.utime = pose_.utime;
     server_.send(Eye::kLeft, static_cast<std::uint64_t>(pose_.sequence), pose_.utime, grey(index),
                  {egomod::encode_message(pose_, pose_bytes_),
-                  egomod::encode_message(objects_, objects_bytes_)});
+                  egomod::encode_message(objects_, objects_bytes_), odometry()});
   }
   void right(int index) {
     server_.send(Eye::kRight, 0, exposure_us(index + std::max(0, skipped_)) + kSkew_us,
@@ -77,9 +79,20 @@ class Camera {
   }
 
  private:
+  std::span<const std::uint8_t> odometry() {
+    if (!has_wheels_) return {};
+    odometry_.utime = pose_.utime;
+    odometry_.sequence = pose_.sequence;
+    odometry_.x = kWheelStep_m * static_cast<double>(pose_.sequence);
+    return egomod::encode_message(odometry_, odometry_bytes_);
+  }
+
   int taken_ = 0;
   int skipped_ = 0;
   ImageServer& server_;
+  bool has_wheels_;
+  egomod::odometry_t odometry_{};
+  std::vector<std::uint8_t> odometry_bytes_;
   egomod::truth_pose_t pose_{};
   egomod::truth_object_list_t objects_{};
   std::vector<std::uint8_t> pose_bytes_;
@@ -163,7 +176,7 @@ int main(int argc, char** argv) {
   }
   greet_badly(world);
   ImageServer server(egomod::sim_protocol::kSocket, calibration(), kPairs);
-  Camera camera(server);
+  Camera camera(server, world == "has-wheels");
   for (int pair = 0; pair < kPairs; ++pair) {
     if (pair == 2) {
       misbehave(world, server, camera);

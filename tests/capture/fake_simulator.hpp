@@ -13,6 +13,7 @@ inline constexpr int kPairs = 6;
 inline constexpr int kWidth_px = 40;
 inline constexpr int kHeight_px = 30;
 inline constexpr std::int64_t kSkew_us = 2500;
+inline constexpr double kWheelStep_m = 0.0625;  // a pair, in the world "has-wheels"
 
 inline std::int64_t exposure_us(int pair) { return 33'333 * static_cast<std::int64_t>(pair); }
 

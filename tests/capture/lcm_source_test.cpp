@@ -105,6 +105,38 @@ TEST_F(LcmSourceTest, SurvivesGarbage) {
   EXPECT_EQ(source->counters().damaged_messages, 80U);
 }
 
+TEST_F(LcmSourceTest, TakesTheWheelsAtTheExposureWheneverTheyArrive) {
+  const auto source = open_lcm_source(bus_, {}, "");
+  publish_calibration();
+  for (int i = 0; i < 4; ++i) {
+    const odometry_t message = odometry_at(20000 * i, i, 0.01 * i);
+    bus_.publish("PIONEER_ODOMETRY", &message);
+  }
+  const std::string garbage = "no odometry";
+  bus_.publish("PIONEER_ODOMETRY", garbage.data(), static_cast<unsigned>(garbage.size()));
+  for (int i = 0; i < 3; ++i) {
+    publish(30000 * i, 1);
+    ASSERT_EQ(source->next(pair_, {}), SourceState::kPair);
+    ASSERT_TRUE(pair_.wheels);
+    EXPECT_NEAR(pair_.wheels->T_wheels_body.translation().x(), 0.015 * i, 1e-12);
+  }
+}
+
+TEST_F(LcmSourceTest, HasNoWheelsOnceTheOdometryIsOld) {
+  const auto source = open_lcm_source(bus_, {}, "");
+  publish_calibration();
+  for (int i = 0; i < 2; ++i) {
+    const odometry_t message = odometry_at(20000 * i, i, 0.01 * i);
+    bus_.publish("PIONEER_ODOMETRY", &message);
+  }
+  publish(30000, 1);
+  ASSERT_EQ(source->next(pair_, {}), SourceState::kPair);
+  EXPECT_TRUE(pair_.wheels);
+  publish(300000, 1);
+  ASSERT_EQ(source->next(pair_, {}), SourceState::kPair);
+  EXPECT_FALSE(pair_.wheels);
+}
+
 TEST_F(LcmSourceTest, StopsPromptlyWhileWaiting) {
   const auto source = open_lcm_source(bus_, {}, "");
   std::stop_source stop;

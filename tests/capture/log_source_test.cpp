@@ -69,6 +69,28 @@ TEST_F(LogSourceTest, GivesGreyAndJpegPairsInOrderOfExposure) {
   EXPECT_EQ(source->next(pair_, {}), SourceState::kEnd);
 }
 
+TEST_F(LogSourceTest, ReadsTheWheelsAtEachExposureAlsoFromMessagesThatCameLater) {
+  add("EGOMOD_CALIBRATION", rectified_calibration());
+  for (int i = 0; i < 3; ++i) {
+    add("EGOMOD_IMAGES", stereo(grey_image(30000 * i, 1), grey_image(30000 * i, 2)));
+  }
+  for (int i = 0; i < 4; ++i) add("PIONEER_ODOMETRY", odometry_at(20000 * i, i, 0.01 * i));
+  const auto source = open();
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_EQ(source->next(pair_, {}), SourceState::kPair);
+    ASSERT_TRUE(pair_.wheels);
+    EXPECT_NEAR(pair_.wheels->T_wheels_body.translation().x(), 0.015 * i, 1e-12);
+  }
+}
+
+TEST_F(LogSourceTest, HasNoWheelsWhereALogHoldsNone) {
+  add("EGOMOD_CALIBRATION", rectified_calibration());
+  add("EGOMOD_IMAGES", stereo(grey_image(0, 1), grey_image(0, 2)));
+  const auto source = open();
+  ASSERT_EQ(source->next(pair_, {}), SourceState::kPair);
+  EXPECT_FALSE(pair_.wheels);
+}
+
 TEST_F(LogSourceTest, PairsTwoChannelsByExposure) {
   add("EGOMOD_CALIBRATION", rectified_calibration());
   for (int i = 0; i < 3; ++i) {

@@ -81,4 +81,12 @@ calibration_t rectified_calibration(double fx_px) {
   return message;
 }
 
+odometry_t odometry_at(std::int64_t utime_us, std::int64_t sequence, double x_m) {
+  odometry_t message{};
+  message.utime = utime_us;
+  message.sequence = sequence;
+  message.x = x_m;
+  return message;
+}
+
 }  // namespace egomod

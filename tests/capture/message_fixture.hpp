@@ -4,6 +4,7 @@
 #include <bot_core/images_t.hpp>
 #include <cstdint>
 #include <egomod/calibration_t.hpp>
+#include <egomod/odometry_t.hpp>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,8 @@ inline constexpr int kMessageHeight_px = 24;
 [[nodiscard]] bot_core::images_t stereo(const bot_core::image_t& left,
                                         const bot_core::image_t& right);
 [[nodiscard]] calibration_t rectified_calibration(double fx_px = 100.0);
+
+[[nodiscard]] odometry_t odometry_at(std::int64_t utime_us, std::int64_t sequence, double x_m);
 
 template <typename Message>
 std::vector<std::uint8_t> encoded(const Message& message) {

@@ -8,6 +8,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <egomod/odometry_t.hpp>
 #include <egomod/truth_object_list_t.hpp>
 #include <egomod/truth_pose_t.hpp>
 #include <fstream>
@@ -80,6 +81,27 @@ TEST(SimSource, HandsOutEachPairWithItsTimesItsCalibrationAndTheTruth) {
   }
   EXPECT_EQ(source->next(pair, {}), SourceState::kEnd);
   EXPECT_EQ(source->next(pair, {}), SourceState::kEnd);
+}
+
+TEST(SimSource, HandsOutTheWheelsOfADrivenRigAndLeavesTheBusToTheSimulator) {
+  const auto source = open("has-wheels");
+  StereoPair pair;
+  for (int i = 0; i < fake_simulator::kPairs; ++i) {
+    ASSERT_EQ(source->next(pair, {}), SourceState::kPair) << source->error();
+    ASSERT_TRUE(pair.wheels);
+    EXPECT_EQ(pair.wheels->T_wheels_body.translation().x(), fake_simulator::kWheelStep_m * i);
+    ASSERT_EQ(pair.enclosed.size(), 3U);
+    EXPECT_EQ(pair.enclosed[2].channel, "PIONEER_ODOMETRY");
+    EXPECT_EQ(decoded<odometry_t>(pair.enclosed[2]).utime, pair.utime_us());
+    EXPECT_FALSE(pair.enclosed[2].is_for_bus);
+  }
+}
+
+TEST(SimSource, HasNoWheelsWhereTheRigIsNotDriven) {
+  const auto source = open("good");
+  StereoPair pair;
+  ASSERT_EQ(source->next(pair, {}), SourceState::kPair);
+  EXPECT_FALSE(pair.wheels);
 }
 
 TEST(SimSource, TakesNoMemoryInItsSteadyState) {
@@ -180,7 +202,7 @@ TEST(SimSource, PrefersARigFileThatFitsItsImages) {
 TEST(SimSource, SaysWhatTheSimulatorSaidWhenItCouldNotBegin) {
   EXPECT_THAT(refusal("cannot-begin"),
               AllOf(HasSubstr("ended with exit code 1"), HasSubstr("nowhere: no such world")));
-  EXPECT_THAT(refusal("greets-in-another-version"), HasSubstr("no greeting of version 1"));
+  EXPECT_THAT(refusal("greets-in-another-version"), HasSubstr("no greeting of version 2"));
   EXPECT_THAT(refusal("shares-nothing"), HasSubstr("memory that does not hold its images"));
 }
 

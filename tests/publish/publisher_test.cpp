@@ -68,6 +68,18 @@ TEST(Publisher, PassesOnWhatTheSourceHasEnclosedBehindItsOwn) {
   EXPECT_EQ(events[5].utime_us, 100'000);
 }
 
+TEST(Publisher, RecordsWhatTheBusHasAlreadyWithoutSendingItAgain) {
+  const test::TemporaryFolder folder;
+  Publisher publisher(
+      {}, {.lcm_url = "file://" + folder.file("bus") + "?mode=w", .record = folder.file("record")});
+  Frame frame = test::some_frame(1);
+  frame.pair.enclosed = {{"SIM_TRUTH_POSE", {1}}, {"PIONEER_ODOMETRY", {2}, false}};
+  publisher.publish(frame);
+  publisher.close();
+  EXPECT_EQ(channels_of(test::events_of(folder.file("record"))).back(), "PIONEER_ODOMETRY");
+  EXPECT_EQ(channels_of(test::events_of(folder.file("bus"))).back(), "SIM_TRUTH_POSE");
+}
+
 TEST(Publisher, RepeatsTheCalibrationWhenItChanges) {
   const test::TemporaryFolder folder;
   Publisher publisher({}, {.lcm_url = kNoBus, .record = folder.file("a")});

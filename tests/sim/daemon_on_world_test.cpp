@@ -206,6 +206,26 @@ TEST_F(DaemonOnWorld, DrivesTheRigByTheScriptOfItsWorld) {
   EXPECT_NEAR(poses[19].pos[0], 0.12 * 0.5, 1e-9);
 }
 
+TEST_F(DaemonOnWorld, RecordsTheWheelsSoThatTheRecordReplaysWithThem) {
+  record("sim:" + world(std::string(kDriven) + kScript, 1.25), folder_ / "world",
+         {"--set", "publish.images=raw"});
+  record("log:" + (folder_ / "world").string(), folder_ / "replay");
+  const auto of_channel = [&](const char* record, const std::string& channel) {
+    std::vector<std::string> bytes;
+    for (const Message& message : messages_of(folder_ / record, false)) {
+      if (message.channel == channel) bytes.push_back(message.bytes);
+    }
+    return bytes;
+  };
+  EXPECT_EQ(of_channel("world", "EGOMOD_POSE"), of_channel("replay", "EGOMOD_POSE"));
+  const auto wheels = of_channel("world", "PIONEER_ODOMETRY");
+  ASSERT_EQ(wheels.size(), 20U);
+  odometry_t last{};
+  ASSERT_GT(last.decode(wheels.back().data(), 0, static_cast<int>(wheels.back().size())), 0);
+  EXPECT_NEAR(last.x, 0.12 * 0.5, 1e-6);
+  EXPECT_EQ(last.utime, 1'187'500);
+}
+
 TEST_F(DaemonOnWorld, KeepsTheWallClockAndCountsWhatItLeavesOut) {
   // More pairs than anything can render.
   const std::string file = world(kOwnWay);

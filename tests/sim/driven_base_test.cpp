@@ -140,6 +140,15 @@ TEST(DrivenBase, CountsItsWheels) {
   EXPECT_NEAR(base.at(2.0).odometry_x_m, exact.at(2.0).pose.z_m / 0.8, kExact);
 }
 
+TEST(DrivenBase, KnowsItsCountBetweenTicksToo) {
+  DrivenBase base(prompt(), kHall, 1);
+  base.accept({.linear_mps = 0.8});
+  base.advance(2.0);
+  for (const double t_s : {1.0, 1.0012, 1.0033, 1.0049}) {
+    EXPECT_NEAR(base.at(t_s).odometry_x_m, base.at(t_s).way_m, kExact) << t_s;
+  }
+}
+
 TEST(DrivenBase, CountsWithNoiseThatGrowsWithTheRootOfTheWay) {
   Drive drive = prompt();
   drive.wheel_noise_m_per_sqrt_m = 0.01;

@@ -4,16 +4,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <egomod/odometry_t.hpp>
 #include <lcm/lcm-cpp.hpp>
 
 namespace egomod::sim {
 namespace {
 
 constexpr const char* kCommandChannel = "PIONEER_COMMAND";
-constexpr const char* kOdometryChannel = "PIONEER_ODOMETRY";
 constexpr std::int64_t kEpochClocks_us = 1'000'000'000'000'000;  // September 2001
 constexpr double kBattery_v = 12.5;
+
+}  // namespace
 
 odometry_t odometry(const BaseState& state, double t_s, std::int64_t sequence) {
   odometry_t message{};
@@ -30,8 +30,6 @@ odometry_t odometry(const BaseState& state, double t_s, std::int64_t sequence) {
   message.right_stalled = message.left_stalled;
   return message;
 }
-
-}  // namespace
 
 std::optional<DriveCommand> CommandReader::read(const command_t& message, double now_s) {
   const bool is_command = std::isfinite(message.linear) && std::isfinite(message.angular) &&

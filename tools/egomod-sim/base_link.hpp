@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <egomod/command_t.hpp>
+#include <egomod/odometry_t.hpp>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,6 +11,11 @@
 #include "driven_base.hpp"
 
 namespace egomod::sim {
+
+inline constexpr const char* kOdometryChannel = "PIONEER_ODOMETRY";
+
+// What the base reports at a simulated time.
+[[nodiscard]] odometry_t odometry(const BaseState& state, double t_s, std::int64_t sequence);
 
 // Turns messages into commands of the simulated base. Simulated time begins at 0; a utime of a
 // clock that counts from the epoch says nothing about it, and such a command holds from its

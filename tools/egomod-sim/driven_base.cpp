@@ -115,6 +115,11 @@ BaseState DrivenBase::at(double t_s) const {
   const double turn_rad = covered(state.angular_radps, next.angular_radps);
   state.pose = moved(state.pose, way_m, -turn_rad);
   state.way_m += way_m;
+  state.odometry_x_m += share * (next.odometry_x_m - state.odometry_x_m);
+  state.odometry_y_m += share * (next.odometry_y_m - state.odometry_y_m);
+  const double counted_rad =
+      std::remainder(next.odometry_heading_rad - state.odometry_heading_rad, 2.0 * M_PI);
+  state.odometry_heading_rad += share * counted_rad;
   return state;
 }
 

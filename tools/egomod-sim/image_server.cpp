@@ -65,11 +65,11 @@ void ImageServer::send_hello(const Calibration& calibration, std::uint64_t pairs
   fill_message(calibration, calibration.images_are_raw, message);
   std::vector<std::uint8_t> buffer;
   const protocol::Hello hello{.pairs = pairs, .slot_bytes = slot_bytes_};
-  send({bytes_of(hello), encode_message(message, buffer), {}}, memory);
+  send({bytes_of(hello), encode_message(message, buffer), {}, {}}, memory);
 }
 
 void ImageServer::send(const Packet& packet, int descriptor) {
-  std::array<iovec, 3> parts{};
+  std::array<iovec, 4> parts{};
   std::ranges::transform(packet, parts.begin(), [](std::span<const std::uint8_t> part) {
     return iovec{const_cast<std::uint8_t*>(part.data()), part.size()};  // it is only read
   });
@@ -110,27 +110,27 @@ void ImageServer::send(protocol::Eye eye, std::uint64_t sequence, std::int64_t e
   free_slots_ &= free_slots_ - 1U;
   const auto bytes = static_cast<std::size_t>(image.stride_bytes() * image.height_px());
   std::memcpy(slots_ + slot * slot_bytes_, image.row(0), bytes);
-  const protocol::Shot shot{
-      .eye = eye,
-      .slot = slot,
-      .width_px = image.width_px(),
-      .height_px = image.height_px(),
-      .stride_bytes = static_cast<std::int32_t>(image.stride_bytes()),
-      .exposure_us = exposure_us,
-      .sequence = sequence,
-      .truth_pose_bytes = static_cast<std::uint32_t>(truth.pose.size()),
-      .truth_objects_bytes = static_cast<std::uint32_t>(truth.objects.size())};
-  send({bytes_of(shot), truth.pose, truth.objects});
+  const protocol::Shot shot{.eye = eye,
+                            .slot = slot,
+                            .width_px = image.width_px(),
+                            .height_px = image.height_px(),
+                            .stride_bytes = static_cast<std::int32_t>(image.stride_bytes()),
+                            .exposure_us = exposure_us,
+                            .sequence = sequence,
+                            .truth_pose_bytes = static_cast<std::uint32_t>(truth.pose.size()),
+                            .truth_objects_bytes = static_cast<std::uint32_t>(truth.objects.size()),
+                            .odometry_bytes = static_cast<std::uint32_t>(truth.odometry.size())};
+  send({bytes_of(shot), truth.pose, truth.objects, truth.odometry});
 }
 
 void ImageServer::answer() {
   const protocol::Signal answered{.kind = protocol::Kind::kAnswered};
-  send({bytes_of(answered), {}, {}});
+  send({bytes_of(answered), {}, {}, {}});
 }
 
 void ImageServer::end(std::uint64_t left_images) {
   const protocol::End end{.left_images = left_images};
-  send({bytes_of(end), {}, {}});
+  send({bytes_of(end), {}, {}, {}});
 }
 
 }  // namespace egomod::sim

@@ -40,6 +40,7 @@ class ImageServer {
   struct Truth {
     std::span<const std::uint8_t> pose;
     std::span<const std::uint8_t> objects;
+    std::span<const std::uint8_t> odometry;  // none without wheels
   };
   // Where no slot is free the image is left out. Truth goes with left images.
   void send(sim_protocol::Eye eye, std::uint64_t sequence, std::int64_t exposure_us,
@@ -50,7 +51,7 @@ class ImageServer {
  private:
   void send_hello(const Calibration& calibration, std::uint64_t pairs, int memory);
   // The parts of a packet, one behind the other.
-  using Packet = std::array<std::span<const std::uint8_t>, 3>;
+  using Packet = std::array<std::span<const std::uint8_t>, 4>;
   void send(const Packet& packet, int descriptor = -1);
 
   int socket_;

@@ -5,6 +5,7 @@
 #include <egomod/calibration_t.hpp>
 #include <limits>
 
+#include "base_link.hpp"
 #include "egomod/publish/messages.hpp"
 #include "truth_messages.hpp"
 
@@ -22,6 +23,7 @@ std::int64_t arrival_us(const Exposure& exposure) {
 LogWriter::LogWriter(const std::string& log, const World& world)
     : pose_channel_(kTruthPoseChannel),
       objects_channel_(kTruthObjectsChannel),
+      odometry_channel_(kOdometryChannel),
       calibration_(written_calibration(world.camera, world.optics)),
       encoder_(ImageEncoding::kRaw, 0),
       record_(log) {}
@@ -76,6 +78,15 @@ void LogWriter::write_truth(double t_s, const Truth& truth) {
   ++left_images_;
   add(pose_channel_, utime, pose_);
   add(objects_channel_, utime, objects_);
+}
+
+void LogWriter::write_odometry(double until_s, const DrivenBase& base) {
+  for (;; ++odometry_messages_) {
+    const double t_s = static_cast<double>(odometry_messages_) / base.drive().odometry_rate_hz;
+    if (t_s > until_s) return;
+    const odometry_t message = odometry(base.at(t_s), t_s, odometry_messages_);
+    add(odometry_channel_, message.utime, message);
+  }
 }
 
 void LogWriter::write_calibration(std::int64_t utime) {

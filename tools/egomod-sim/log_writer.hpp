@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "driven_base.hpp"
 #include "egomod/core/image.hpp"
 #include "egomod/publish/image_encoder.hpp"
 #include "egomod/publish/record_writer.hpp"
@@ -16,9 +17,9 @@
 
 namespace egomod::sim {
 
-// An LCM log of EGOMOD_CALIBRATION, EGOMOD_IMAGES, SIM_TRUTH_POSE and SIM_TRUTH_OBJECTS, as the
-// daemon's sources read it. An image that arrives late is logged late, and on its own. Throws
-// RecordError. Threads: one caller.
+// An LCM log of EGOMOD_CALIBRATION, EGOMOD_IMAGES, SIM_TRUTH_POSE, SIM_TRUTH_OBJECTS and, of a
+// driven rig, PIONEER_ODOMETRY, as the daemon's sources read it. An image that arrives late is
+// logged late, and on its own. Throws RecordError. Threads: one caller.
 class LogWriter {
  public:
   LogWriter(const std::string& log, const World& world);
@@ -27,6 +28,8 @@ class LogWriter {
   void write_image(Eye eye, const Exposure& exposure, const Image& image);
   // Of the next left image, in their order.
   void write_truth(double t_s, const Truth& truth);
+  // All that the base reports up to a time that it knows, at its own rate.
+  void write_odometry(double until_s, const DrivenBase& base);
   void finish();
 
  private:
@@ -46,6 +49,7 @@ class LogWriter {
   const std::string images_channel_ = "EGOMOD_IMAGES";
   const std::string pose_channel_;
   const std::string objects_channel_;
+  const std::string odometry_channel_;
   Calibration calibration_;
   ImageEncoder encoder_;
   RecordWriter record_;
@@ -53,6 +57,7 @@ class LogWriter {
   truth_pose_t pose_{};
   truth_object_list_t objects_{};
   std::int64_t left_images_ = 0;
+  std::int64_t odometry_messages_ = 0;
   std::multimap<std::int64_t, Event> waiting_;  // by arrival
   bool is_calibrated_ = false;
 };

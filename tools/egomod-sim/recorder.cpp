@@ -47,7 +47,9 @@ class Recorder {
  private:
   void take_truth(const Exposure& exposure) {
     simulator_.take_truth(exposure.number, truth_);
-    if (log_) log_->write_truth(exposure.t_s, truth_);
+    if (!log_) return;
+    log_->write_truth(exposure.t_s, truth_);
+    if (simulator_.base() != nullptr) log_->write_odometry(exposure.t_s, *simulator_.base());
   }
   void write_left(const Exposure& exposure) {
     if (folder_) folder_->write_left(exposure.t_s, left_, truth_);

@@ -104,8 +104,17 @@ class Session {
     const auto sequence = static_cast<std::int64_t>(delivery.index);
     fill_message(truth_, calibration_.T_body_camera, utime, sequence, pose_);
     fill_message(truth_, calibration_.T_body_camera, utime, sequence, objects_);
+    encode_odometry(delivery.exposure.t_s, sequence);
     server_.send(protocol::Eye::kLeft, delivery.index, utime, left_,
-                 {encode_message(pose_, pose_bytes_), encode_message(objects_, objects_bytes_)});
+                 {encode_message(pose_, pose_bytes_), encode_message(objects_, objects_bytes_),
+                  odometry_bytes_});
+  }
+
+  // At the exposure itself, so that it depends on no rate.
+  void encode_odometry(double t_s, std::int64_t sequence) {
+    if (simulator_.base() == nullptr) return;
+    odometry_ = odometry(simulator_.base()->at(t_s), t_s, sequence);
+    static_cast<void>(encode_message(odometry_, odometry_bytes_));
   }
 
   Simulator& simulator_;
@@ -121,8 +130,10 @@ class Session {
   Truth truth_;
   truth_pose_t pose_{};
   truth_object_list_t objects_{};
+  odometry_t odometry_{};
   std::vector<std::uint8_t> pose_bytes_;
   std::vector<std::uint8_t> objects_bytes_;
+  std::vector<std::uint8_t> odometry_bytes_;
 };
 
 }  // namespace

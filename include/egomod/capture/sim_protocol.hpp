@@ -11,8 +11,8 @@
 //
 //   egomod-sim  Hello, calibration_t behind it; the memory's descriptor goes along (SCM_RIGHTS)
 //   daemon      Request: the next images, please; these slots are free
-//   egomod-sim  Shot: an image lies in a slot; behind a left one truth_pose_t and
-//               truth_object_list_t
+//   egomod-sim  Shot: an image lies in a slot; behind a left one truth_pose_t,
+//               truth_object_list_t and, where the rig stands on a driven base, odometry_t
 //   egomod-sim  Signal, kAnswered: that was all, which may be less than two images
 //   egomod-sim  End: the world is over
 //
@@ -22,7 +22,7 @@
 // as they lie in memory.
 namespace egomod::sim_protocol {
 
-inline constexpr std::uint32_t kVersion = 1;
+inline constexpr std::uint32_t kVersion = 2;
 // As many images as the pairing can hold, one in work, some on their way.
 inline constexpr std::uint32_t kSlots = 20;
 inline constexpr std::size_t kMaxPacketBytes = std::size_t{64} * 1024;
@@ -56,6 +56,8 @@ struct Shot {
   std::uint64_t sequence = 0;
   std::uint32_t truth_pose_bytes = 0;
   std::uint32_t truth_objects_bytes = 0;
+  std::uint32_t odometry_bytes = 0;  // 0: no wheels
+  std::uint32_t reserved = 0;
 };
 
 struct Signal {

@@ -31,7 +31,8 @@ enum class EstimateReason : std::uint8_t {
   kHole,          // pairs were missing; tracks bridge the hole, the motion in it is composed
   kReseeded,      // no track bridges the hole: no motion assumed, covariance inflated
   kMoverDominates,
-  kRecalibrated,  // the calibration changed: no motion assumed, covariance inflated
+  kRecalibrated,      // the calibration changed: no motion assumed, covariance inflated
+  kWheelsContradict,  // all that is seen moves as one, but not as the wheels do
 };
 
 enum class TrackRole : std::uint8_t {

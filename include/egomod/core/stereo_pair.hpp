@@ -3,12 +3,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "egomod/core/calibration.hpp"
 #include "egomod/core/image.hpp"
 #include "egomod/core/time.hpp"
+#include "egomod/core/wheels.hpp"
 
 namespace egomod {
 
@@ -32,6 +34,7 @@ inline constexpr std::size_t kPairFaults = 4;
 struct EnclosedMessage {
   std::string channel;
   std::vector<std::uint8_t> bytes;
+  bool is_for_bus = true;  // false: for the record only, since the bus has it already
 };
 
 // Left and right image of one instant, rectified. Every left image becomes one of these, also when
@@ -50,6 +53,7 @@ struct StereoPair {
   Calibration calibration;
   Image left;
   Image right;
+  std::optional<WheelPose> wheels{};        // at the exposure, if odometry comes
   std::vector<EnclosedMessage> enclosed{};  // in the order in which they are published
 
   [[nodiscard]] Nanoseconds skew() const { return right_exposure - exposure; }

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "egomod/core/calibration.hpp"
 #include "egomod/core/stereo_pair.hpp"
 #include "egomod/core/time.hpp"
+#include "egomod/core/wheels.hpp"
 
 namespace egomod {
 
@@ -53,6 +56,8 @@ struct TrackSet {
   bool discontinuity = false;  // none of the tracks reaches back beyond this pair
   TrackStatus status = TrackStatus::kOk;
   StereoCamera camera;
+  std::optional<WheelPose> wheels{};
+  Eigen::Isometry3d T_body_camera = default_T_body_camera();
   std::vector<Track> tracks;  // ascending id
 };
 

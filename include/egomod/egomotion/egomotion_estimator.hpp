@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "egomod/core/egomotion.hpp"
@@ -16,6 +17,7 @@
 #include "egomod/egomotion/solution.hpp"
 #include "egomod/egomotion/statistics.hpp"
 #include "egomod/egomotion/track_map.hpp"
+#include "egomod/egomotion/wheels_prior.hpp"
 
 namespace egomod {
 
@@ -42,6 +44,7 @@ struct EgomotionConfig {
   SigmaPointFilterConfig sigma_point_filter;
   TrackMapConfig track_map;
   RivalConfig rival;
+  WheelsConfig wheels;
 };
 
 // Motion of the rig between two tracked pairs from the tracks seen in both, robust against movers,
@@ -73,8 +76,10 @@ class EgomotionEstimator {
   [[nodiscard]] EstimateReason judge(const Solution& solution, const Egomotion& motion) const;
   [[nodiscard]] bool weigh_rival(const TrackSet& tracks, Solution& solution, Solution& other,
                                  Egomotion& motion);
-  void accept(const TrackSet& tracks, const Solution& solution, Egomotion& motion);
-  void doubt(const Solution& other, Egomotion& motion);
+  [[nodiscard]] bool wheels_contradict(const Solution& solution, const Egomotion& motion) const;
+  [[nodiscard]] bool is_surely_static(const Egomotion& motion) const;
+  void accept(const TrackSet& tracks, const Solution& solution, bool is_doubted, Egomotion& motion);
+  void doubt(const Solution& other, EstimateReason reason, Egomotion& motion);
   void fail(EstimateReason reason, const TrackSet& tracks, Egomotion& motion);
 
   void keep_velocity(const Egomotion& motion);
@@ -87,6 +92,8 @@ class EgomotionEstimator {
   GaussNewtonSolver gauss_newton_;
   SigmaPointSolver sigma_point_;
   RivalFinder rival_finder_;
+  WheelsPrior wheels_prior_;
+  std::optional<WheelsMotion> wheels_;  // of this pair
   TrackMap map_;
   PoseAccumulator pose_;
   // Of the last pose against the map: white, and part of the next motion's error. Zero without map.

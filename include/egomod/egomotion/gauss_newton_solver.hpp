@@ -26,6 +26,11 @@ class GaussNewtonSolver {
                                std::span<const Correspondence> correspondences,
                                const Eigen::Isometry3d& expected, std::uint64_t sequence);
 
+  // The motion next to `start` that some of the weight agrees on, however much another one does.
+  [[nodiscard]] Solution solve_near(const StereoCamera& camera,
+                                    std::span<const Correspondence> correspondences,
+                                    const Eigen::Isometry3d& start);
+
   // Squared Mahalanobis distances of the correspondences that were solved last.
   void measure_distances2(const Eigen::Isometry3d& T_current_previous,
                           std::vector<double>& distances2) const {
@@ -33,6 +38,9 @@ class GaussNewtonSolver {
   }
 
  private:
+  [[nodiscard]] Solution finished(const StereoCamera& camera,
+                                  std::span<const Correspondence> correspondences,
+                                  GaussNewtonResult best);
   void try_other_starts(const Eigen::Isometry3d& expected, std::uint64_t sequence,
                         GaussNewtonResult& best);
 

@@ -13,6 +13,7 @@
 #include "egomod/egomotion/sigma_point_filter.hpp"
 #include "egomod/egomotion/solution.hpp"
 #include "egomod/egomotion/track_map.hpp"
+#include "egomod/egomotion/wheels_prior.hpp"
 
 namespace egomod {
 
@@ -35,7 +36,15 @@ struct RivalConfig {
 struct Support {
   double cells = 0.0;
   double known_static = 0.0;  // of them, weighted by how long and how surely they stood still
-  double surprise = 0.0;      // squared Mahalanobis distance from constant velocity
+  double surprise = 0.0;      // squared Mahalanobis distance from what the prior expects
+};
+
+// What is known of the rig's motion besides what this pair shows: its velocity `dt_s` ago or, where
+// there are wheels, what they saw.
+struct VelocityPrior {
+  const VelocityState& past;
+  double dt_s = 0.0;
+  const WheelsMotion* wheels = nullptr;
 };
 
 struct Rival {
@@ -45,39 +54,45 @@ struct Rival {
 
 // When movers own many tracks, geometry cannot tell whether they move or the rig does. Looks for
 // one motion that explains the tracks which the estimate does not, and weighs it against the
-// estimate by the past: tracks known to stand still and constant velocity. Threads: one caller.
+// estimate by the past: tracks known to stand still, and constant velocity or the wheels. When the
+// wheels contradict the estimate it looks for far less: any motion that they confirm. Threads: one
+// caller.
 class RivalFinder {
  public:
   RivalFinder(const RivalConfig& config, const GaussNewtonConfig& gauss_newton,
               const RansacConfig& ransac)
       : config_(config), solver_(gauss_newton, ransac), whitened_(gauss_newton) {}
 
-  // `roles`: which tracks `estimate` explains; `map` is empty without one; `velocity` as it was
-  // `dt_s` ago. False when no other motion comes near.
+  // `roles`: which tracks `estimate` explains; `map` is empty without one. False when no other
+  // motion comes near.
   [[nodiscard]] bool find(const TrackSet& tracks, const Solution& estimate,
                           std::span<const TrackRole> roles, std::span<const MapPoint> map,
-                          double noise_scale, const VelocityState& velocity, double dt_s,
-                          Rival& rival);
+                          double noise_scale, const VelocityPrior& prior, Rival& rival);
 
   void reset() { found_ = false; }
 
  private:
-  [[nodiscard]] double least_ratio() const {
-    return found_ ? config_.ratio_to_stay : config_.min_support_ratio;
-  }
+  // What a second motion needs to count.
+  struct Least {
+    std::size_t tracks;
+    double share;  // of all cells, that tell the two motions apart
+    double ratio;  // of its support to the estimate's
+  };
+  [[nodiscard]] Least least() const;
   [[nodiscard]] bool search(const TrackSet& tracks, const Solution& estimate,
                             std::span<const TrackRole> roles, std::span<const MapPoint> map,
-                            double noise_scale, const VelocityState& velocity, double dt_s,
-                            Rival& rival);
+                            double noise_scale, const VelocityPrior& prior, Rival& rival);
+  [[nodiscard]] Solution among_unexplained(const TrackSet& tracks, const Eigen::Isometry3d& start);
+  [[nodiscard]] Solution confirmed(const TrackSet& tracks, const Solution& estimate,
+                                   const WheelsMotion& wheels);
   void reserve(std::size_t points);
   [[nodiscard]] bool enough_outliers(const TrackSet& tracks, std::span<const TrackRole> roles);
   void gather(const TrackSet& tracks, std::span<const TrackRole> roles, double noise_scale);
   void vote(const TrackSet& tracks, const Eigen::Isometry3d& T_estimate,
             const Eigen::Isometry3d& T_rival, std::span<const MapPoint> map);
   void count_support(Support& estimate, Support& rival) const;
-  [[nodiscard]] double surprise(const Solution& solution, const VelocityState& velocity,
-                                double dt_s) const;
-  [[nodiscard]] bool prefers(const Support& rival, const Support& estimate) const;
+  [[nodiscard]] double surprise(const Solution& solution, const VelocityPrior& prior) const;
+  [[nodiscard]] bool prefers(const Support& rival, const Support& estimate, bool has_wheels) const;
 
   struct Votes {
     int tracks = 0;
@@ -93,7 +108,8 @@ class RivalFinder {
   [[nodiscard]] double occupied_cells() const;
 
   RivalConfig config_;
-  bool found_ = false;  // in the last pair
+  bool found_ = false;         // in the last pair
+  bool is_suspected_ = false;  // the estimate, by the wheels
   static constexpr int kColumns = 16;
   static constexpr int kRows = 12;
   std::array<Cell, static_cast<std::size_t>(kColumns* kRows)> cells_;

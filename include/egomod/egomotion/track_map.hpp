@@ -26,10 +26,14 @@ struct TrackMapConfig {
 struct MapPoint {
   std::uint64_t track_id = 0;
   int updates = 0;  // 0: position unknown
+  int doubted = 0;  // of them, while the wheels contradicted
   Eigen::Vector3d P_first_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();
   double static_weight = 1.0;
 };
+
+// How surely a point is known to stand still, 0 to 1.
+[[nodiscard]] double known_static(const MapPoint& point);
 
 // Where each living track stands in the first left camera's frame, filtered over the track's whole
 // life under the belief that it stands still (after H. Badino, A. Yamamoto, T. Kanade, ICCV-W
@@ -45,10 +49,11 @@ class TrackMap {
   [[nodiscard]] std::span<const MapPoint> points() const { return points_; }
 
   // Fuses what the current pair sees from the given pose. `pose_covariance`: right perturbation.
-  // `noise_scale` multiplies the observations' covariance.
+  // `noise_scale` multiplies the observations' covariance. `is_doubted`: that the points stand
+  // still is not known from this pair.
   void update(const StereoCamera& camera, std::span<const Track> tracks,
               const Eigen::Isometry3d& T_first_current, const Matrix6d& pose_covariance,
-              double noise_scale);
+              double noise_scale, bool is_doubted = false);
 
  private:
   TrackMapConfig config_;
