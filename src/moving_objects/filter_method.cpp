@@ -69,7 +69,8 @@ void FilterMethod::detect(const TrackSet& tracks, const Egomotion& motion, Movin
   objects_.predict(tracks, motion);
   if (is_comparable(motion)) {
     filter(tracks, motion);
-    objects_.associate(points_, groups_, groups_.find(tracks.camera, points_, rig_velocity_mps_));
+    objects_.associate(tracks.camera, points_, groups_,
+                       groups_.find(tracks.camera, points_, rig_velocity_mps_));
   }
   objects_.update(tracks.camera, points_, motion.status == EstimateStatus::kValid);
   objects_.report(objects.objects);

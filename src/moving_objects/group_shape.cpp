@@ -31,14 +31,32 @@ Eigen::Vector3d mean_velocity(std::span<const PointSample> points, Members membe
   return sum / static_cast<double>(members.size());
 }
 
-Eigen::Vector3d extent_of(std::span<const PointSample> points, Members members) {
-  Eigen::Vector3d low = points[members.front()].position_m;
-  Eigen::Vector3d high = low;
+namespace {
+
+struct Extremes {
+  Eigen::Vector3d low_m;
+  Eigen::Vector3d high_m;
+};
+
+Extremes extremes_of(std::span<const PointSample> points, Members members) {
+  Extremes e{points[members.front()].position_m, points[members.front()].position_m};
   for (const auto i : members) {
-    low = low.cwiseMin(points[i].position_m);
-    high = high.cwiseMax(points[i].position_m);
+    e.low_m = e.low_m.cwiseMin(points[i].position_m);
+    e.high_m = e.high_m.cwiseMax(points[i].position_m);
   }
-  return high - low;
+  return e;
+}
+
+}  // namespace
+
+Eigen::Vector3d centre_of(std::span<const PointSample> points, Members members) {
+  const Extremes e = extremes_of(points, members);
+  return 0.5 * (e.low_m + e.high_m);
+}
+
+Eigen::Vector3d extent_of(std::span<const PointSample> points, Members members) {
+  const Extremes e = extremes_of(points, members);
+  return e.high_m - e.low_m;
 }
 
 PixelRect carried(const StereoCamera& camera, const PixelRect& rectangle,

@@ -18,6 +18,7 @@ using Members = std::span<const Grouper::Index>;  // into a vector of PointSampl
 [[nodiscard]] PixelRect rectangle_of(std::span<const PointSample> points, Members members);
 [[nodiscard]] Eigen::Vector3d mean_position(std::span<const PointSample> points, Members members);
 [[nodiscard]] Eigen::Vector3d mean_velocity(std::span<const PointSample> points, Members members);
+[[nodiscard]] Eigen::Vector3d centre_of(std::span<const PointSample> points, Members members);
 [[nodiscard]] Eigen::Vector3d extent_of(std::span<const PointSample> points, Members members);
 
 // The rectangle of something that went from one position to another without turning, inside the

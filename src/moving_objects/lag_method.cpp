@@ -51,7 +51,7 @@ void LagMethod::detect(const TrackSet& tracks, const Egomotion& motion, MovingOb
     measure(tracks, motion);
     scale_noise(motion);
     decide();
-    objects_.associate(points_, groups_,
+    objects_.associate(tracks.camera, points_, groups_,
                        groups_.find(tracks.camera, points_, rig_velocity(motion)));
     history_.push(tracks, motion);
   }

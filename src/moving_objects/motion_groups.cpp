@@ -17,10 +17,18 @@ constexpr double kMemberChi2 = 16.27;        // 99.9 %: a member against the gro
 constexpr double kVelocitySpread_m2ps2 = 1e-4;
 constexpr double kDepthShare = 0.12;  // nearby, what is behind starts after a shorter step
 constexpr double kDepthSigmas = 2.5;
+constexpr double kUprightReach = 2.25;  // of a body's points, by that of a group's
 constexpr double kLeastRig_mps = 0.05;
+constexpr double kWithRig_mps = 0.05;
+constexpr double kWithRigShare = 0.2;
 constexpr float kEchoMargin_px = 25.0F;
+constexpr float kEchoOverlap = 0.8F;     // of the echo's rectangle lies in its source's
+constexpr double kEchoDepthStep = 0.12;  // log of the ratio of depths
+constexpr double kEchoFlow_pxps = 4.0;
+constexpr double kEchoFlowShare = 0.1;
 constexpr double kHullMargin_m = 0.3;
 constexpr double kHullSigmas = 2.0;
+constexpr float kLeastAspect = 0.4F;
 constexpr double kLineWidthShare = 0.15;  // of its length
 constexpr double kAlongLine = 0.95;       // cosine
 
@@ -47,6 +55,24 @@ DepthRange depth_range(std::span<const PointSample> points, Members members) {
   const double deviation = std::sqrt(std::max(0.0, sum2 / n - mean * mean));
   return {mean - kHullSigmas * deviation - kHullMargin_m,
           mean + kHullSigmas * deviation + kHullMargin_m};
+}
+
+// Along the rig's motion, or against it.
+bool moves_with_rig(const Eigen::Vector3d& velocity_mps, const Eigen::Vector3d& rig_mps) {
+  const double rig2 = rig_mps.squaredNorm();
+  if (rig2 < kLeastRig_mps * kLeastRig_mps) return false;
+  const Eigen::Vector3d along_mps = velocity_mps.dot(rig_mps) / rig2 * rig_mps;
+  return (velocity_mps - along_mps).norm() < kWithRig_mps + kWithRigShare * along_mps.norm();
+}
+
+// A narrow group is judged with what surrounds it: an edge of something that rests, seen before
+// what lies behind, makes such groups.
+PixelRect widened(PixelRect r) {
+  const float width = r.u_max_px - r.u_min_px;
+  const float height = r.v_max_px - r.v_min_px;
+  const float u_px = std::max(0.0F, 0.5F * (kLeastAspect * height - width));
+  const float v_px = std::max(0.0F, 0.5F * (kLeastAspect * width - height));
+  return {r.u_min_px - u_px, r.v_min_px - v_px, r.u_max_px + u_px, r.v_max_px + v_px};
 }
 
 }  // namespace
@@ -80,14 +106,16 @@ double velocity_chi2(const PointSample& point, const Eigen::Vector3d& velocity_m
   return e.dot(velocity_information(point) * e);
 }
 
-bool slides_along_an_edge(const StereoCamera& camera, std::span<const PointSample> points,
-                          Members members) {
+LineMotion line_motion(const StereoCamera& camera, std::span<const PointSample> points,
+                       Members members) {
   Eigen::Vector2d mean_px = Eigen::Vector2d::Zero();
   Eigen::Vector2d flow_pxps = Eigen::Vector2d::Zero();
+  Eigen::Vector3d sum_mps = Eigen::Vector3d::Zero();
   for (const auto i : members) {
     mean_px += points[i].pixel_px / static_cast<double>(members.size());
     flow_pxps +=
         (project_jacobian(camera, points[i].position_m) * points[i].velocity_mps).head<2>();
+    sum_mps += points[i].velocity_mps;
   }
   Eigen::Matrix2d scatter_px2 = Eigen::Matrix2d::Zero();
   for (const auto i : members) {
@@ -97,12 +125,14 @@ bool slides_along_an_edge(const StereoCamera& camera, std::span<const PointSampl
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
   axes.computeDirect(scatter_px2);
   const double width2 = std::max(0.0, axes.eigenvalues()[0]);
-  return width2 < kLineWidthShare * kLineWidthShare * axes.eigenvalues()[1] &&
-         std::abs(axes.eigenvectors().col(1).dot(flow_pxps)) > kAlongLine * flow_pxps.norm();
+  if (width2 >= kLineWidthShare * kLineWidthShare * axes.eigenvalues()[1]) return {};
+  return {.along_line =
+              std::abs(axes.eigenvectors().col(1).dot(flow_pxps)) > kAlongLine * flow_pxps.norm(),
+          .along_sight = std::abs(sum_mps.z()) > sum_mps.head<2>().norm()};
 }
 
 double purity_of(std::span<const PointSample> points, Members members) {
-  const PixelRect rectangle = rectangle_of(points, members);
+  const PixelRect rectangle = widened(rectangle_of(points, members));
   const auto [near_m, far_m] = depth_range(points, members);
   int moving = 0;
   int still = 0;
@@ -142,25 +172,59 @@ bool echoes_surroundings(const MotionGroup& group, std::span<const PointSample> 
   return sources >= static_cast<int>(group.count) && 2 * sources >= still;
 }
 
+bool echoes_mover(const StereoCamera& camera, const MotionGroup& group, const MotionGroup& source,
+                  const Eigen::Vector3d& rig_velocity_mps) {
+  const PixelRect& r = group.rectangle;
+  const float area_px2 = intersection_px2(r, r);
+  const double ratio = group.position_m.z() / source.position_m.z();
+  if (intersection_px2(r, source.rectangle) < kEchoOverlap * area_px2 ||
+      std::abs(std::log(ratio)) < kEchoDepthStep) {
+    return false;
+  }
+  const auto flow_pxps = [&](const Eigen::Vector3d& at_m, const Eigen::Vector3d& velocity_mps) {
+    return Eigen::Vector2d(
+        (project_jacobian(camera, at_m) * (velocity_mps - rig_velocity_mps)).head<2>());
+  };
+  const Eigen::Vector2d own_pxps = flow_pxps(group.position_m, group.velocity_mps);
+  const Eigen::Vector2d other_pxps = flow_pxps(group.position_m / ratio, source.velocity_mps);
+  return (own_pxps - other_pxps).norm() < kEchoFlow_pxps + kEchoFlowShare * other_pxps.norm();
+}
+
 MotionGroups::MotionGroups(const MovingObjectsConfig& config) : config_(config) {
   grouper_.reserve(kReservedTracks);
   moving_.reserve(kReservedTracks);
   linked_.reserve(kReservedTracks);
   members_.reserve(kReservedTracks);
   groups_.reserve(kReservedTracks / kLeastPoints);
+  bodies_.reserve(kReservedTracks);
+  body_members_.reserve(kReservedTracks);
+  body_of_.reserve(kReservedTracks);
+  is_led_.reserve(kReservedTracks);
 }
 
 double MotionGroups::reach_px(double fx_px, double depth_m) const {
   return std::max(config_.neighbour_distance_px, config_.neighbour_distance_m * fx_px / depth_m);
 }
 
+bool MotionGroups::same_depth(const PointSample& a, const PointSample& b) const {
+  const double depth_m = std::min(a.position_m.z(), b.position_m.z());
+  const double slack_m = std::min(config_.neighbour_depth_m, kDepthShare * depth_m) +
+                         kDepthSigmas * std::hypot(depth_sigma_m(a), depth_sigma_m(b));
+  return std::abs(a.position_m.z() - b.position_m.z()) <= slack_m;
+}
+
+// Limbs hang below, or swing beside.
+bool MotionGroups::in_one_body(const StereoCamera& camera, const PointSample& a,
+                               const PointSample& b) const {
+  const double reach = reach_px(camera.fx_px, std::min(a.position_m.z(), b.position_m.z()));
+  const Eigen::Vector2d off_px = (a.pixel_px - b.pixel_px).cwiseAbs();
+  return off_px.x() <= reach && off_px.y() <= kUprightReach * reach && same_depth(a, b);
+}
+
 bool MotionGroups::linked(const StereoCamera& camera, const PointSample& a,
                           const PointSample& b) const {
   const double depth_m = std::min(a.position_m.z(), b.position_m.z());
-  const double depth_slack_m = std::min(config_.neighbour_depth_m, kDepthShare * depth_m) +
-                               kDepthSigmas * std::hypot(depth_sigma_m(a), depth_sigma_m(b));
-  if ((a.pixel_px - b.pixel_px).norm() > reach_px(camera.fx_px, depth_m) ||
-      std::abs(a.position_m.z() - b.position_m.z()) > depth_slack_m) {
+  if ((a.pixel_px - b.pixel_px).norm() > reach_px(camera.fx_px, depth_m) || !same_depth(a, b)) {
     return false;
   }
   const Eigen::Vector3d dv = a.velocity_mps - b.velocity_mps;
@@ -168,21 +232,46 @@ bool MotionGroups::linked(const StereoCamera& camera, const PointSample& a,
   return dv.dot(S.inverse() * dv) < kSameVelocityChi2;
 }
 
-std::span<const MotionGroup> MotionGroups::find(const StereoCamera& camera,
-                                                std::span<const PointSample> points,
-                                                const Eigen::Vector3d& rig_velocity_mps) {
+void MotionGroups::collect_moving(std::span<const PointSample> points) {
   moving_.clear();
-  members_.clear();
-  groups_.clear();
-  double nearest_m = config_.max_depth_m;
+  nearest_m_ = config_.max_depth_m;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!points[i].moves) continue;
     moving_.push_back(static_cast<Grouper::Index>(i));
-    nearest_m = std::min(nearest_m, points[i].position_m.z());
+    nearest_m_ = std::min(nearest_m_, points[i].position_m.z());
   }
+}
+
+void MotionGroups::find_bodies(const StereoCamera& camera, std::span<const PointSample> points) {
+  bodies_.clear();
+  body_members_.clear();
+  body_of_.resize(points.size());
   const auto point = [&](Grouper::Index i) -> const PointSample& { return points[moving_[i]]; };
   grouper_.group(
-      moving_.size(), reach_px(camera.fx_px, nearest_m),
+      moving_.size(), reach_px(camera.fx_px, nearest_m_),
+      [&](auto i) { return point(i).pixel_px.x(); },
+      [&](auto i, auto j) { return in_one_body(camera, point(i), point(j)); });
+  for (std::size_t b = 0; b < grouper_.size(); ++b) {
+    MotionBody body{.first = body_members_.size(), .count = grouper_[b].size(), .rectangle = {}};
+    for (const auto i : grouper_[b]) {
+      body_of_[moving_[i]] = b;
+      body_members_.push_back(moving_[i]);
+    }
+    body.rectangle = rectangle_of(points, members(body));
+    bodies_.push_back(body);
+  }
+}
+
+std::span<const MotionGroup> MotionGroups::find(const StereoCamera& camera,
+                                                std::span<const PointSample> points,
+                                                const Eigen::Vector3d& rig_velocity_mps) {
+  members_.clear();
+  groups_.clear();
+  collect_moving(points);
+  find_bodies(camera, points);
+  const auto point = [&](Grouper::Index i) -> const PointSample& { return points[moving_[i]]; };
+  grouper_.group(
+      moving_.size(), reach_px(camera.fx_px, nearest_m_),
       [&](auto i) { return point(i).pixel_px.x(); },
       [&](auto i, auto j) { return linked(camera, point(i), point(j)); });
   for (std::size_t g = 0; g < grouper_.size(); ++g) {
@@ -193,7 +282,29 @@ std::span<const MotionGroup> MotionGroups::find(const StereoCamera& camera,
   std::sort(groups_.begin(), groups_.end(), [](const MotionGroup& a, const MotionGroup& b) {
     return a.count != b.count ? a.count > b.count : a.first < b.first;
   });
+  name_leaders();
+  find_echoes(camera, rig_velocity_mps);
   return groups_;
+}
+
+// Largest first: what echoes has fewer points than its source.
+void MotionGroups::find_echoes(const StereoCamera& camera,
+                               const Eigen::Vector3d& rig_velocity_mps) {
+  for (std::size_t g = 1; g < groups_.size(); ++g) {
+    for (std::size_t source = 0; source < g && !groups_[g].echoes; ++source) {
+      groups_[g].echoes = !groups_[source].echoes &&
+                          echoes_mover(camera, groups_[g], groups_[source], rig_velocity_mps);
+    }
+  }
+}
+
+void MotionGroups::name_leaders() {
+  is_led_.assign(bodies_.size(), false);
+  for (MotionGroup& group : groups_) {
+    group.body = body_of_[members(group).front()];
+    group.leads = !is_led_[group.body];
+    is_led_[group.body] = true;
+  }
 }
 
 // Keeps the members that agree with the group's mean velocity: chains of links may drift.
@@ -217,12 +328,17 @@ void MotionGroups::add(const StereoCamera& camera, std::span<const PointSample> 
   group.velocity_mps = mean.velocity_mps;
   group.velocity_covariance_m2ps2 = mean.covariance_m2ps2;
   group.position_m = mean_position(points, kept);
+  group.centre_m = centre_of(points, kept);
+  group.size_m = extent_of(points, kept);
   group.rectangle = rectangle_of(points, kept);
-  group.slides = slides_along_an_edge(camera, points, kept);
+  const LineMotion line = line_motion(camera, points, kept);
+  group.slides = line.along_line;
+  group.recedes = line.along_sight;
   for (const auto i : kept) group.evidence += points[i].evidence;
   group.evidence /= 1.0 + rho * (static_cast<double>(kept.size()) - 1.0);
   group.purity = purity_of(points, kept);
   group.echoes = echoes_surroundings(group, points, rig_velocity_mps);
+  group.with_rig = moves_with_rig(group.velocity_mps, rig_velocity_mps);
   groups_.push_back(group);
 }
 

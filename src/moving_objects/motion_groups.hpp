@@ -15,19 +15,33 @@
 
 namespace egomod {
 
+// Moving points near each other, whatever their velocities: a thing with all its limbs, if it has
+// any.
+struct MotionBody {
+  std::size_t first = 0;  // members: MotionGroups::members(*this)
+  std::size_t count = 0;
+  PixelRect rectangle;
+};
+
 // Moving points near each other with one velocity.
 struct MotionGroup {
   std::size_t first = 0;  // members: MotionGroups::members(*this)
   std::size_t count = 0;
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  // mean
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();    // of the box around them
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
   Eigen::Matrix3d velocity_covariance_m2ps2 = Eigen::Matrix3d::Zero();
   PixelRect rectangle;
   bool slides =
       false;  // its points lie on a line and move along it: an edge seen through apertures
-  bool echoes = false;    // what repeated texture behind it would feign
+  bool recedes = false;   // on a line, and along the line of sight: a border of what rests
+  bool echoes = false;    // what repeated texture there would feign
+  bool with_rig = false;  // along the rig's own motion, as all that is feigned
   double evidence = 0.0;  // log likelihood ratio of its points together, moving over static
   double purity = 0.0;    // share of the tracks in its rectangle and depth that move
+  std::size_t body = 0;   // the one that it is part of
+  bool leads = false;     // it is the largest group of its body
 
   // Chi-square of the velocity against rest.
   [[nodiscard]] double chi2() const;
@@ -44,9 +58,13 @@ struct MeanVelocity {
 [[nodiscard]] Eigen::Matrix3d velocity_information(const PointSample& point);
 // Chi-square of a point's velocity against another one.
 [[nodiscard]] double velocity_chi2(const PointSample& point, const Eigen::Vector3d& velocity_mps);
-// True when the points lie on one line of the image and move along it.
-[[nodiscard]] bool slides_along_an_edge(const StereoCamera& camera,
-                                        std::span<const PointSample> points, Members members);
+// Of points that lie on one line of the image.
+struct LineMotion {
+  bool along_line = false;   // an edge seen through apertures slides
+  bool along_sight = false;  // at a border, disparities of both its sides mix
+};
+[[nodiscard]] LineMotion line_motion(const StereoCamera& camera,
+                                     std::span<const PointSample> points, Members members);
 // Share of the opinionated points inside the members' rectangle and depth that move.
 [[nodiscard]] double purity_of(std::span<const PointSample> points, Members members);
 
@@ -56,6 +74,11 @@ struct MeanVelocity {
 [[nodiscard]] bool echoes_surroundings(const MotionGroup& group,
                                        std::span<const PointSample> points,
                                        const Eigen::Vector3d& rig_velocity_mps);
+
+// The same from a mover's texture: true when the group lies within that of `source`, at another
+// depth, and crosses the image as that one does.
+[[nodiscard]] bool echoes_mover(const StereoCamera& camera, const MotionGroup& group,
+                                const MotionGroup& source, const Eigen::Vector3d& rig_velocity_mps);
 
 // Finds the groups. Neighbourhood is counted in metres across the line of sight, in pixels, and in
 // depth by its own uncertainty, so that a far object does not fall apart along z.
@@ -69,22 +92,39 @@ class MotionGroups {
   [[nodiscard]] Members members(const MotionGroup& group) const {
     return Members(members_).subspan(group.first, group.count);
   }
+  // Of the last `find`.
+  [[nodiscard]] std::span<const MotionBody> bodies() const { return bodies_; }
+  [[nodiscard]] Members members(const MotionBody& body) const {
+    return Members(body_members_).subspan(body.first, body.count);
+  }
 
   static constexpr std::size_t kLeastPoints = 3;
 
  private:
   [[nodiscard]] double reach_px(double fx_px, double depth_m) const;
+  [[nodiscard]] bool same_depth(const PointSample& a, const PointSample& b) const;
+  [[nodiscard]] bool in_one_body(const StereoCamera& camera, const PointSample& a,
+                                 const PointSample& b) const;
   [[nodiscard]] bool linked(const StereoCamera& camera, const PointSample& a,
                             const PointSample& b) const;
+  void collect_moving(std::span<const PointSample> points);
+  void find_bodies(const StereoCamera& camera, std::span<const PointSample> points);
+  void name_leaders();
+  void find_echoes(const StereoCamera& camera, const Eigen::Vector3d& rig_velocity_mps);
   void add(const StereoCamera& camera, std::span<const PointSample> points,
            const Eigen::Vector3d& rig_velocity_mps, Members linked_points);
 
   const MovingObjectsConfig config_;
   Grouper grouper_;
   std::vector<Grouper::Index> moving_;
+  double nearest_m_ = 0.0;  // of them
   std::vector<Grouper::Index> linked_;
   std::vector<Grouper::Index> members_;
   std::vector<MotionGroup> groups_;
+  std::vector<MotionBody> bodies_;
+  std::vector<Grouper::Index> body_members_;
+  std::vector<std::size_t> body_of_;  // parallel to the points
+  std::vector<bool> is_led_;          // parallel to the bodies
 };
 
 }  // namespace egomod

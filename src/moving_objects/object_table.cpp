@@ -27,22 +27,14 @@ constexpr double kPartDepthShare = 0.5;
 constexpr double kPartSpeed_mps = 0.05;  // plus a share of the speed, 99 % and rotation
 constexpr double kPartSpeedShare = 0.03;
 constexpr double kPartChi2 = 11.34;
-constexpr double kShapeShare =
-    0.04;  // error of a surface's centre by its size, however many points
+constexpr std::size_t kLimbRatio = 2;
+constexpr double kLimbReach_m = 0.3;  // from the rectangle
+constexpr float kUpright = 3.0F;      // of that, up and down
+constexpr double kLimbSpan_m = 0.4;   // beside the trunk
+constexpr double kLimbDepth_m = 0.5;
+// Error of a surface's centre by its size, however many points show it.
+constexpr double kShapeShare = 0.04;
 constexpr std::size_t kLeastPoints = MotionGroups::kLeastPoints;
-
-// Free space between two boxes along each axis.
-Eigen::Vector3d gap_m(const MovingObject& a, const MovingObject& b) {
-  return ((a.position_m - b.position_m).cwiseAbs() - 0.5 * (a.extent_m + b.extent_m)).cwiseMax(0.0);
-}
-
-bool are_near(const MovingObjectsConfig& config, const MovingObject& a, const MovingObject& b) {
-  const Eigen::Vector3d gap = gap_m(a, b);
-  const double size_m = std::max(a.extent_m.maxCoeff(), b.extent_m.maxCoeff());
-  const double sigma_m = std::sqrt(a.position_covariance_m2(2, 2) + b.position_covariance_m2(2, 2));
-  return gap.head<2>().norm() < std::max(config.neighbour_distance_m, kPartGapShare * size_m) &&
-         gap.z() < std::max(config.neighbour_depth_m, kPartDepthShare * size_m) + 2.5 * sigma_m;
-}
 
 // Few points show the outline of a surface badly, and many not exactly.
 double shape_variance_m2(const MovingObject& object) {
@@ -72,7 +64,24 @@ ObjectTable::ObjectTable(const MovingObjectsConfig& config, const ObjectGates& g
   objects_.reserve(kMostObjects);
   for (auto* ids : {&track_ids_, &previous_track_ids_}) ids->reserve(kReservedTracks);
   for (auto* owners : {&owners_, &previous_owners_}) owners->reserve(kReservedTracks);
-  members_.reserve(kReservedTracks);
+  for (auto* members : {&members_, &trunk_}) members->reserve(kReservedTracks);
+}
+
+// By the free space between their boxes along each axis.
+bool ObjectTable::are_near(const Tracked& a, const Tracked& b) const {
+  const Eigen::Vector3d gap =
+      ((a.box.centre_m - b.box.centre_m).cwiseAbs() - 0.5 * (a.box.size_m + b.box.size_m))
+          .cwiseMax(0.0);
+  const double size_m = std::max(a.box.size_m.maxCoeff(), b.box.size_m.maxCoeff());
+  const double sigma_m =
+      std::sqrt(a.object.position_covariance_m2(2, 2) + b.object.position_covariance_m2(2, 2));
+  return gap.head<2>().norm() < std::max(config_.neighbour_distance_m, kPartGapShare * size_m) &&
+         gap.z() < std::max(config_.neighbour_depth_m, kPartDepthShare * size_m) + 2.5 * sigma_m;
+}
+
+bool ObjectTable::is_at(const PointSample& point, const Box& box) {
+  const Eigen::Vector3d off_m = (point.position_m - box.centre_m).cwiseAbs() - 0.5 * box.size_m;
+  return off_m.x() < kLimbSpan_m && off_m.z() < kLimbDepth_m;
 }
 
 void ObjectTable::move_on(const StereoCamera& camera, Nanoseconds exposure,
@@ -84,6 +93,8 @@ void ObjectTable::move_on(const StereoCamera& camera, Nanoseconds exposure,
     MovingObject& object = tracked.object;
     const Eigen::Vector3d before_m = object.position_m;
     object.position_m = T_current_previous * (before_m + elapsed_s * object.velocity_mps);
+    tracked.box.centre_m =
+        T_current_previous * (tracked.box.centre_m + elapsed_s * object.velocity_mps);
     object.velocity_mps = R * object.velocity_mps;
     tracked.manoeuvre.rotate(R);
     doubt(elapsed_s, to_seconds(now_ - tracked.last_evidence), object);
@@ -94,6 +105,7 @@ void ObjectTable::move_on(const StereoCamera& camera, Nanoseconds exposure,
     object.age_s = to_seconds(now_ - tracked.first);
     object.points = 0;
     tracked.evident = false;
+    tracked.by_limbs = false;
   }
 }
 
@@ -160,49 +172,96 @@ ObjectTable::Tracked* ObjectTable::by_place(const MotionGroup& group) {
   return nullptr;
 }
 
-// Only a group that passes every gate opens an object; later a smaller one keeps it.
-ObjectTable::Tracked* ObjectTable::create(const MotionGroup& group) {
-  if (group.count < static_cast<std::size_t>(config_.min_points) ||
-      group.purity < config_.min_purity || group.echoes || group.chi2() < config_.object_chi2 ||
-      group.evidence < gates_.min_evidence || objects_.size() == kMostObjects) {
+// A group beside an object with many more points, in one body with it: an arm or a leg.
+bool ObjectTable::is_limb(const MotionGroup& group) const {
+  return std::any_of(objects_.begin(), objects_.end(), [&](const Tracked& tracked) {
+    return tracked.evident && tracked.body == group.body &&
+           kLimbRatio * group.count < tracked.group;
+  });
+}
+
+// Only a group that passes every gate opens an object; later a smaller one keeps it. What swings
+// its limbs may show few points of one velocity: then all that move there count.
+ObjectTable::Tracked* ObjectTable::create(std::span<const PointSample> points,
+                                          const MotionGroup& group, const MotionGroups& finder) {
+  const auto least = static_cast<std::size_t>(config_.min_points);
+  const MotionBody& body = finder.bodies()[group.body];
+  const bool swings = group.count < least && group.leads && !group.with_rig &&
+                      body.count >= least &&
+                      purity_of(points, finder.members(body)) >= config_.min_purity;
+  if ((group.count < least && !swings) || is_limb(group) || group.purity < config_.min_purity ||
+      group.recedes || group.chi2() < config_.object_chi2 || group.evidence < gates_.min_evidence ||
+      objects_.size() == kMostObjects) {
     return nullptr;
   }
   Tracked tracked;
+  tracked.swings = swings;
   tracked.object.id = ++last_id_;
+  tracked.object.position_m = group.position_m;
+  tracked.object.rectangle = group.rectangle;
   tracked.first = now_;
   tracked.last_evidence = now_;
   objects_.push_back(tracked);
   return &objects_.back();
 }
 
-void ObjectTable::associate(std::span<const PointSample> points, const MotionGroups& finder,
-                            std::span<const MotionGroup> groups) {
+void ObjectTable::associate(const StereoCamera& camera, std::span<const PointSample> points,
+                            const MotionGroups& finder, std::span<const MotionGroup> groups) {
   for (const MotionGroup& group : groups) {
-    if (group.slides || group.velocity_mps.norm() < gates_.min_speed_mps) continue;
+    if (group.slides || group.echoes || group.velocity_mps.norm() < gates_.min_speed_mps) continue;
     const Members members = finder.members(group);
     Tracked* tracked = by_tracks(points, members);
     if (tracked == nullptr) tracked = by_place(group);
-    if (tracked == nullptr) tracked = create(group);
+    if (tracked == nullptr) tracked = create(points, group, finder);
     if (tracked == nullptr) continue;
-    if (!tracked->evident) {
-      tracked->evident = true;
-      tracked->evidence = kEvidenceMemory * tracked->evidence +
-                          std::clamp(group.evidence, 0.0, kMostEvidencePerPair);
-      tracked->object.velocity_mps = group.velocity_mps;
-      tracked->object.velocity_covariance_m2ps2 = group.velocity_covariance_m2ps2;
-    }
+    if (!tracked->evident) take_group(group, *tracked);
     for (const auto i : members) owners_[points[i].track] = tracked->object.id;
   }
+  for (Tracked& tracked : objects_) {
+    if (tracked.swings) adopt_limbs(camera, points, tracked);
+  }
+}
+
+void ObjectTable::take_group(const MotionGroup& group, Tracked& tracked) {
+  tracked.evident = true;
+  tracked.group = group.count;
+  tracked.body = group.body;
+  tracked.box = {group.centre_m, group.size_m};
+  tracked.evidence =
+      kEvidenceMemory * tracked.evidence + std::clamp(group.evidence, 0.0, kMostEvidencePerPair);
+  tracked.object.velocity_mps = group.velocity_mps;
+  tracked.object.velocity_covariance_m2ps2 = group.velocity_covariance_m2ps2;
+}
+
+// Arms and legs belong to whom they hang on, whatever their velocity: moving points of nobody's at
+// the object. While the trunk's own points are too few, they say that it goes on.
+void ObjectTable::adopt_limbs(const StereoCamera& camera, std::span<const PointSample> points,
+                              Tracked& tracked) {
+  const MovingObject& object = tracked.object;
+  const auto margin_px = static_cast<float>(kLimbReach_m * camera.fx_px / object.position_m.z());
+  const PixelRect& r = object.rectangle;
+  const float below_px = kUpright * margin_px;
+  const PixelRect around{r.u_min_px - margin_px, r.v_min_px - below_px, r.u_max_px + margin_px,
+                         r.v_max_px + below_px};
+  std::size_t moving = 0;
+  for (const PointSample& point : points) {
+    std::int64_t& owner = owners_[point.track];
+    if (!point.moves || (owner != 0 && owner != object.id) || !contains(around, point.pixel_px) ||
+        !is_at(point, tracked.box)) {
+      continue;
+    }
+    owner = object.id;
+    ++moving;
+  }
+  tracked.by_limbs = !tracked.evident && tracked.confirmed && moving >= kLeastPoints;
+  tracked.evident = tracked.evident || tracked.by_limbs;
 }
 
 void ObjectTable::update(const StereoCamera& camera, std::span<const PointSample> points,
                          bool motion_is_valid) {
   for (Tracked& tracked : objects_) {
     collect(points, tracked);
-    const std::size_t least =
-        tracked.confirmed ? kLeastPoints : static_cast<std::size_t>(config_.min_points);
-    tracked.evident = tracked.evident && members_.size() >= least &&
-                      purity_of(points, members_) >= kKeepPurityShare * config_.min_purity;
+    tracked.evident = tracked.evident && is_proper(points, tracked);
     if (!tracked.evident) {
       coast(points, tracked);
       continue;
@@ -220,13 +279,21 @@ void ObjectTable::update(const StereoCamera& camera, std::span<const PointSample
   std::erase_if(objects_, [this](const Tracked& tracked) { return is_lost(tracked); });
 }
 
+bool ObjectTable::is_proper(std::span<const PointSample> points, const Tracked& tracked) const {
+  const std::size_t least = tracked.confirmed || tracked.swings
+                                ? kLeastPoints
+                                : static_cast<std::size_t>(config_.min_points);
+  return members_.size() >= least &&
+         purity_of(points, members_) >=
+             (tracked.by_limbs ? 1.0 : kKeepPurityShare) * config_.min_purity;
+}
+
 // A large body shows its texture in islands further apart than neighbours are: the younger of two
 // objects with one velocity, whose gap is small for their size, is part of the older one.
 void ObjectTable::absorb_parts(const StereoCamera& camera, std::span<const PointSample> points) {
   for (auto older = objects_.begin(); older != objects_.end(); ++older) {
     const auto is_part = [&](const Tracked& younger) {
-      if (!older->evident || !younger.evident ||
-          !are_near(config_, older->object, younger.object) ||
+      if (!older->evident || !younger.evident || !are_near(*older, younger) ||
           !move_as_one(older->object, younger.object))
         return false;
       std::replace(owners_.begin(), owners_.end(), younger.object.id, older->object.id);
@@ -244,6 +311,7 @@ void ObjectTable::absorb_parts(const StereoCamera& camera, std::span<const Point
 
 // One wrong member blows a rectangle of extremes up: whoever "static" explains better leaves.
 bool ObjectTable::belongs(const PointSample& point, const Tracked& tracked) const {
+  if (tracked.swings && point.moves) return is_at(point, tracked.box);
   const double against = velocity_chi2(point, tracked.object.velocity_mps);
   return against < kLeaveChi2 && (point.moves || against < point.chi2);
 }
@@ -282,10 +350,16 @@ void ObjectTable::measure(const StereoCamera& camera, std::span<const PointSampl
       object.velocity_mps, object.velocity_covariance_m2ps2, config_.velocity_prior_mps));
 }
 
+// Of the trunk, if there are limbs.
 void ObjectTable::measure_motion(std::span<const PointSample> points, Tracked& tracked) {
   MovingObject& object = tracked.object;
+  trunk_.clear();
+  for (const auto i : members_) {
+    if (velocity_chi2(points[i], object.velocity_mps) < kLeaveChi2) trunk_.push_back(i);
+  }
+  if (trunk_.empty()) return;
   const BodyMotion body =
-      fit_body_motion(points, members_, object.position_m, config_.error_correlation);
+      fit_body_motion(points, trunk_, object.position_m, config_.error_correlation);
   tracked.manoeuvre.follow(body.velocity_mps, now_);
   object.velocity_mps = body.velocity_mps + tracked.manoeuvre.lead_mps();
   object.angular_velocity_radps = body.angular_velocity_radps;

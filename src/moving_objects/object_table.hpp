@@ -36,8 +36,8 @@ class ObjectTable {
   // Objects move on to a pair in which nothing could be seen.
   void miss(const TrackSet& tracks);
   // Gives each group to an object: by shared tracks, else by place and velocity, else a new one.
-  void associate(std::span<const PointSample> points, const MotionGroups& finder,
-                 std::span<const MotionGroup> groups);
+  void associate(const StereoCamera& camera, std::span<const PointSample> points,
+                 const MotionGroups& finder, std::span<const MotionGroup> groups);
   // Measures the objects by their own points, decides their states, forgets the lost ones.
   void update(const StereoCamera& camera, std::span<const PointSample> points,
               bool motion_is_valid);
@@ -48,6 +48,11 @@ class ObjectTable {
   static constexpr std::size_t kMostObjects = kReservedObjects;
 
  private:
+  // Upright in left camera axes.
+  struct Box {
+    Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
+    Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
+  };
   struct Tracked {
     MovingObject object;
     Manoeuvre manoeuvre;
@@ -57,19 +62,33 @@ class ObjectTable {
     double evidence = 0.0;  // of its groups, leaky
     bool evident = false;   // a group of this pair is its own
     bool confirmed = false;
+    bool swings = false;    // it was known by its limbs first
+    bool by_limbs = false;  // and in this pair by them only
+    // Of the group that made it evident: one wrong member stretches the object, not the group.
+    std::size_t group = 0;  // points
+    std::size_t body = 0;
+    Box box;
   };
 
+  [[nodiscard]] bool are_near(const Tracked& a, const Tracked& b) const;
   void move_on(const StereoCamera& camera, Nanoseconds exposure,
                const Eigen::Isometry3d& T_current_previous);
   void doubt(double elapsed_s, double unseen_s, MovingObject& object) const;
   [[nodiscard]] Tracked* by_tracks(std::span<const PointSample> points, Members members);
   [[nodiscard]] Tracked* by_place(const MotionGroup& group);
-  [[nodiscard]] Tracked* create(const MotionGroup& group);
+  [[nodiscard]] Tracked* create(std::span<const PointSample> points, const MotionGroup& group,
+                                const MotionGroups& finder);
+  [[nodiscard]] static bool is_at(const PointSample& point, const Box& box);
+  [[nodiscard]] bool is_limb(const MotionGroup& group) const;
+  void take_group(const MotionGroup& group, Tracked& tracked);
+  void adopt_limbs(const StereoCamera& camera, std::span<const PointSample> points,
+                   Tracked& tracked);
   [[nodiscard]] bool belongs(const PointSample& point, const Tracked& tracked) const;
   void collect(std::span<const PointSample> points, const Tracked& tracked);
   void measure(const StereoCamera& camera, std::span<const PointSample> points, Tracked& tracked);
   void measure_motion(std::span<const PointSample> points, Tracked& tracked);
   void absorb_parts(const StereoCamera& camera, std::span<const PointSample> points);
+  [[nodiscard]] bool is_proper(std::span<const PointSample> points, const Tracked& tracked) const;
   void coast(std::span<const PointSample> points, Tracked& tracked);
   [[nodiscard]] bool is_lost(const Tracked& tracked) const;
 
@@ -82,6 +101,7 @@ class ObjectTable {
   std::vector<std::int64_t> previous_owners_;
   std::vector<std::uint64_t> previous_track_ids_;
   std::vector<Grouper::Index> members_;
+  std::vector<Grouper::Index> trunk_;  // those of them that have the object's velocity
   std::int64_t last_id_ = 0;
 };
 
