@@ -240,13 +240,13 @@ constexpr std::size_t members() {
 }
 
 TEST(OptionTable, has_a_row_for_every_member_of_every_struct) {
-  constexpr std::size_t kNestedStructs = 5;  // in EgomotionConfig
+  constexpr std::size_t kNestedStructs = 6;  // in EgomotionConfig
   constexpr std::size_t kMembers =
       members<DaemonConfig>() + members<CaptureConfig>() + members<FeaturesConfig>() +
       members<EgomotionConfig>() - kNestedStructs + members<RansacConfig>() +
       members<GaussNewtonConfig>() + members<SigmaPointFilterConfig>() + members<TrackMapConfig>() +
-      members<RivalConfig>() + members<MovingObjectsConfig>() + members<PublishConfig>() +
-      members<PipelineConfig>() + members<LoggingConfig>();
+      members<RivalConfig>() + members<WheelsConfig>() + members<MovingObjectsConfig>() +
+      members<PublishConfig>() + members<PipelineConfig>() + members<LoggingConfig>();
   EXPECT_EQ(options().size(), kMembers);
   EXPECT_EQ(members<Config>(), 8U);
 }
@@ -259,6 +259,7 @@ TEST(Preset, thesis_is_the_published_method) {
   EXPECT_EQ(config.moving_objects.method, MovingObjectsMethod::kThesis);
   EXPECT_EQ(config.moving_objects.threshold_mps, 0.2385);
   EXPECT_EQ(config.egomotion.ransac.threshold_px, 2.0);
+  EXPECT_FALSE(config.egomotion.wheels.enable);
   EXPECT_NO_THROW(check(config));
 }
 

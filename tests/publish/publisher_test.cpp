@@ -70,12 +70,14 @@ TEST(Publisher, PassesOnWhatTheSourceHasEnclosedBehindItsOwn) {
 
 TEST(Publisher, RecordsWhatTheBusHasAlreadyWithoutSendingItAgain) {
   const test::TemporaryFolder folder;
-  Publisher publisher(
-      {}, {.lcm_url = "file://" + folder.file("bus") + "?mode=w", .record = folder.file("record")});
-  Frame frame = test::some_frame(1);
-  frame.pair.enclosed = {{"SIM_TRUTH_POSE", {1}}, {"PIONEER_ODOMETRY", {2}, false}};
-  publisher.publish(frame);
-  publisher.close();
+  {
+    Publisher publisher({}, {.lcm_url = "file://" + folder.file("bus") + "?mode=w",
+                             .record = folder.file("record")});
+    Frame frame = test::some_frame(1);
+    frame.pair.enclosed = {{"SIM_TRUTH_POSE", {1}}, {"PIONEER_ODOMETRY", {2}, false}};
+    publisher.publish(frame);
+    publisher.close();
+  }
   EXPECT_EQ(channels_of(test::events_of(folder.file("record"))).back(), "PIONEER_ODOMETRY");
   EXPECT_EQ(channels_of(test::events_of(folder.file("bus"))).back(), "SIM_TRUTH_POSE");
 }
