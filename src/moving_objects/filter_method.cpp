@@ -33,19 +33,6 @@ bool is_inlier(const Egomotion& motion, std::size_t track) {
   return track < motion.roles.size() && motion.roles[track] == TrackRole::kInlier;
 }
 
-// A C A^T for a symmetric C, one half of it computed.
-Eigen::Matrix3d turned(const Eigen::Matrix3d& A, const Eigen::Matrix3d& C) {
-  const Eigen::Matrix3d AC = A.lazyProduct(C);
-  Eigen::Matrix3d result;
-  for (int row = 0; row < 3; ++row) {
-    for (int k = 0; k <= row; ++k) {
-      result(row, k) = AC(row, 0) * A(k, 0) + AC(row, 1) * A(k, 1) + AC(row, 2) * A(k, 2);
-      result(k, row) = result(row, k);
-    }
-  }
-  return result;
-}
-
 // Where the filters expect the point, if that is any better than where it is measured.
 Eigen::Vector3d expected_px(const StereoCamera& camera, const RigPose& rig,
                             const TrackFilter& filter, const Eigen::Vector3d& measured_px) {
@@ -158,7 +145,7 @@ PointMeasurement FilterMethod::measure(const StereoCamera& camera, const Track& 
 
   PointMeasurement m;
   m.position_m = rig_.T_first_current * triangulate(camera, at_px);
-  m.covariance_m2 = turned(G, R_px2);
+  m.covariance_m2.noalias() = G * R_px2 * G.transpose();
   m.covariance_m2 += rig_.covariance_at(m.position_m - rig_.T_first_current.translation());
   m.position_m.noalias() += G * (z_px - at_px);
   const Eigen::Vector3d walk_px2{wander_px * wander_px, wander_px * wander_px,
@@ -173,10 +160,10 @@ PointSample FilterMethod::sample(const TrackFilter& filter) const {
   const Eigen::Matrix3d R = rig_.T_current_first.linear();
   PointSample point;
   point.position_m = rig_.T_current_first * filter.position_m();
-  point.position_covariance_m2 = turned(R, filter.moving.covariance.topLeftCorner<3, 3>());
+  point.position_covariance_m2 = R * filter.moving.covariance.topLeftCorner<3, 3>() * R.transpose();
   point.velocity_mps = R * filter.velocity_mps();
   const Eigen::Matrix3d Cv = filter.moving.covariance.bottomRightCorner<3, 3>();
-  point.velocity_covariance_m2ps2 = turned(R, Cv);
+  point.velocity_covariance_m2ps2 = R * Cv * R.transpose();
   point.chi2 = filter.velocity_mps().dot(Cv.inverse() * filter.velocity_mps());
   point.evidence = filter.evidence;
   point.motion_probability = logistic(filter.evidence);
