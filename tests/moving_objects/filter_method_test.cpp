@@ -229,6 +229,55 @@ TEST_F(Filter, EchoOfRepeatedTextureIsNoObject) {
   }
 }
 
+TEST_F(Filter, EchoOfAMoversTextureIsNoObject) {
+  rest_rig();
+  world.add_background(300);
+  world.add_box(40, {-0.5, 0.0, 2.0}, {0.6, 0.6, 0.02}, {0.6, 0.0, 0.0});
+  // Matched wrong: it crosses the image like the mover, at one and a half times its depth.
+  world.add_box(8, {-0.75, 0.0, 3.0}, {0.3, 0.3, 0.02}, {0.9, 0.0, 0.0});
+  for (int pair = 0; pair < 40; ++pair) {
+    run(pair);
+    ASSERT_LE(moving(), 1) << "pair " << pair;
+  }
+  EXPECT_EQ(moving(), 1);
+}
+
+TEST_F(Filter, BorderThatOnlyChangesItsDepthIsNoObject) {
+  rest_rig();
+  world.add_background(300);
+  world.add_box(10, {-1.0, 0.0, 4.0}, {0.0, 1.2, 0.0}, {0.0, 0.0, 0.5});
+  for (int pair = 0; pair < 40; ++pair) {
+    run(pair);
+    ASSERT_EQ(moving(), 0) << "pair " << pair;
+  }
+}
+
+// Few points of one velocity on the trunk; legs swing to and fro, once in 1.2 s.
+TEST_F(Filter, WalkerIsOneObject) {
+  rest_rig();
+  world.add_background(300);
+  const Eigen::Vector3d walk_mps{1.0, 0.0, 0.1};
+  world.add_box(4, {-2.2, -0.3, 6.0}, {0.4, 0.4, 0.2}, walk_mps);
+  world.add_box(3, {-2.2, 0.3, 6.0}, {0.1, 0.3, 0.1}, walk_mps);
+  world.add_box(3, {-2.2, 0.3, 6.0}, {0.1, 0.3, 0.1}, walk_mps);
+  int seen = 0;
+  for (int pair = 0; pair < 90; ++pair) {
+    const double swing_mps = 0.9 * std::sin(2.0 * M_PI * world.time_s(pair) / 1.2);
+    turn(pair, 307, walk_mps - Eigen::Vector3d(swing_mps, 0.0, 0.0));
+    for (std::size_t i = 304; i < 307; ++i) {
+      synthetic::Point& point = world.points[i];
+      const Eigen::Vector3d now_mps = walk_mps + Eigen::Vector3d(swing_mps, 0.0, 0.0);
+      point.at_start_m += world.time_s(pair) * (point.velocity_mps - now_mps);
+      point.velocity_mps = now_mps;
+    }
+    run(pair);
+    ASSERT_LE(moving(), 1) << "pair " << pair;
+    seen += moving();
+  }
+  EXPECT_GT(seen, 70);
+  EXPECT_LT((objects.objects.front().velocity_mps - walk_mps).norm(), 0.15);
+}
+
 TEST_F(Filter, AmbiguousMotionConfirmsNothing) {
   world.add_background(300);
   world.add_box(40, {-0.5, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.5, 0.0, 0.0});
