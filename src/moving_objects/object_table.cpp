@@ -21,9 +21,9 @@ constexpr double kLeaveChi2 = 25.0;       // a member this far off leaves
 constexpr double kKeepPurityShare = 0.5;  // of the purity that opens an object
 constexpr double kEvidenceMemory = 0.9;   // of one pair
 constexpr double kMostEvidencePerPair = 40.0;
-constexpr double kManoeuvre_s = 1.0;    // how long an unseen one lasts
-constexpr double kPartGapShare = 0.25;  // of the larger one's extent, across the line of sight
-constexpr double kPartDepthShare = 0.5;
+constexpr double kManoeuvre_s = 1.0;   // how long an unseen one lasts
+constexpr double kPartGapShare = 0.4;  // of the larger one's size, across the line of sight
+constexpr double kPartDepthShare = 1.0;
 constexpr double kPartSpeed_mps = 0.05;  // plus a share of the speed, 99 % and rotation
 constexpr double kPartSpeedShare = 0.03;
 constexpr double kPartChi2 = 11.34;
@@ -77,6 +77,13 @@ bool ObjectTable::are_near(const Tracked& a, const Tracked& b) const {
       std::sqrt(a.object.position_covariance_m2(2, 2) + b.object.position_covariance_m2(2, 2));
   return gap.head<2>().norm() < std::max(config_.neighbour_distance_m, kPartGapShare * size_m) &&
          gap.z() < std::max(config_.neighbour_depth_m, kPartDepthShare * size_m) + 2.5 * sigma_m;
+}
+
+ObjectTable::Box ObjectTable::joined(const Box& a, const Box& b) {
+  const Eigen::Vector3d low_m = (a.centre_m - 0.5 * a.size_m).cwiseMin(b.centre_m - 0.5 * b.size_m);
+  const Eigen::Vector3d high_m =
+      (a.centre_m + 0.5 * a.size_m).cwiseMax(b.centre_m + 0.5 * b.size_m);
+  return {0.5 * (low_m + high_m), high_m - low_m};
 }
 
 bool ObjectTable::is_at(const PointSample& point, const Box& box) {
@@ -214,7 +221,11 @@ void ObjectTable::associate(const StereoCamera& camera, std::span<const PointSam
     if (tracked == nullptr) tracked = by_place(group);
     if (tracked == nullptr) tracked = create(points, group, finder);
     if (tracked == nullptr) continue;
-    if (!tracked->evident) take_group(group, *tracked);
+    if (!tracked->evident) {
+      take_group(group, *tracked);
+    } else if (!tracked->swings) {
+      tracked->box = joined(tracked->box, {group.centre_m, group.size_m});
+    }
     for (const auto i : members) owners_[points[i].track] = tracked->object.id;
   }
   for (Tracked& tracked : objects_) {

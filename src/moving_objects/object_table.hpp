@@ -64,7 +64,7 @@ class ObjectTable {
     bool confirmed = false;
     bool swings = false;    // it was known by its limbs first
     bool by_limbs = false;  // and in this pair by them only
-    // Of the group that made it evident: one wrong member stretches the object, not the group.
+    // Of its groups in this pair: one wrong member stretches the object, not a group.
     std::size_t group = 0;  // points
     std::size_t body = 0;
     Box box;
@@ -78,6 +78,7 @@ class ObjectTable {
   [[nodiscard]] Tracked* by_place(const MotionGroup& group);
   [[nodiscard]] Tracked* create(std::span<const PointSample> points, const MotionGroup& group,
                                 const MotionGroups& finder);
+  [[nodiscard]] static Box joined(const Box& a, const Box& b);
   [[nodiscard]] static bool is_at(const PointSample& point, const Box& box);
   [[nodiscard]] bool is_limb(const MotionGroup& group) const;
   void take_group(const MotionGroup& group, Tracked& tracked);
