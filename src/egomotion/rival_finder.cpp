@@ -32,8 +32,29 @@ bool RivalFinder::find(const TrackSet& tracks, const Solution& estimate,
                        std::span<const TrackRole> roles, std::span<const MapPoint> map,
                        double noise_scale, const VelocityPrior& prior, Rival& rival) {
   is_suspected_ = prior.wheels != nullptr && prior.wheels->surprise(estimate) > kSuspicion;
+  const bool was_found = found_;
   found_ = search(tracks, estimate, roles, map, noise_scale, prior, rival);
+  if (!found_ && was_found && lingers(tracks, map)) {
+    rival = {.solution = last_, .preferred = false};
+    found_ = true;
+  }
+  if (found_) last_ = rival.solution;
   return found_;
+}
+
+// A motion that one pair does not tell from the estimate may be there all the same: as long as the
+// map has had to give up the points of so much of the image, the last one found stands.
+bool RivalFinder::lingers(const TrackSet& tracks, std::span<const MapPoint> map) {
+  clear_cells();
+  for (std::size_t k = 0; k < map.size(); ++k) {
+    if (!tracks.tracks[k].has_current || map[k].updates == 0) continue;
+    Cell& cell = cell_of(tracks.camera, uvd(tracks.tracks[k].current));
+    ++(map[k].disowned ? cell.rival : cell.estimate).tracks;
+  }
+  Support owned;
+  Support disowned;
+  count_support(owned, disowned);
+  return disowned.cells >= config_.min_support_ratio * owned.cells;
 }
 
 RivalFinder::Least RivalFinder::least() const {

@@ -15,6 +15,7 @@ namespace {
 
 // It moved, or was lost: it must earn its weight anew, or movers leak in each time they start over.
 constexpr double kWeightAfterReset = 0.02;
+constexpr double kWeightToOwn = 0.5;
 constexpr double kUpdatesToKnow = 15;
 
 // What one pair sees of a point: innovation, its Jacobian in the point, its covariance.
@@ -86,6 +87,7 @@ void fuse(const TrackMapConfig& config, const Innovation& i, MapPoint& point) {
   const bool fits = distance2 < kChi2Of3At99Percent;
   const double rate = fits ? config.trust_rate : config.distrust_rate;
   point.static_weight += rate * ((fits ? 1.0 : 0.0) - point.static_weight);
+  point.disowned = point.disowned && point.static_weight < kWeightToOwn;
   ++point.updates;
 }
 
@@ -123,6 +125,7 @@ void TrackMap::update(const StereoCamera& camera, std::span<const Track> tracks,
       point.updates = 0;
       point.doubted = 0;
       point.static_weight = kWeightAfterReset;
+      point.disowned = true;
     }
     if (point.updates == 0) {
       locate(view, z, R, point.P_first_m, point.covariance_m2);

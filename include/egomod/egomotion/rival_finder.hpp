@@ -82,6 +82,7 @@ class RivalFinder {
   [[nodiscard]] bool search(const TrackSet& tracks, const Solution& estimate,
                             std::span<const TrackRole> roles, std::span<const MapPoint> map,
                             double noise_scale, const VelocityPrior& prior, Rival& rival);
+  [[nodiscard]] bool lingers(const TrackSet& tracks, std::span<const MapPoint> map);
   [[nodiscard]] Solution among_unexplained(const TrackSet& tracks, const Eigen::Isometry3d& start);
   [[nodiscard]] Solution confirmed(const TrackSet& tracks, const Solution& estimate,
                                    const WheelsMotion& wheels);
@@ -109,6 +110,7 @@ class RivalFinder {
 
   RivalConfig config_;
   bool found_ = false;         // in the last pair
+  Solution last_;              // then
   bool is_suspected_ = false;  // the estimate, by the wheels
   static constexpr int kColumns = 16;
   static constexpr int kRows = 12;

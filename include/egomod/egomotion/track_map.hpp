@@ -30,6 +30,7 @@ struct MapPoint {
   Eigen::Vector3d P_first_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();
   double static_weight = 1.0;
+  bool disowned = false;  // it moved against the map, and has not earned its weight since
 };
 
 // How surely a point is known to stand still, 0 to 1.
