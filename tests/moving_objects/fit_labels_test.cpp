@@ -166,7 +166,7 @@ TEST_F(FitLabels, TheWholePartOfATruncatedRecordIsUsedAndTheDamageTold) {
   std::filesystem::resize_file(folder / "log", std::filesystem::file_size(folder / "log") - 3);
   const auto [labels, damage] = label_record(folder / "log", folder);
   EXPECT_EQ(labels.static_mps.size(), 1U);
-  EXPECT_THAT(damage, HasSubstr("the log is cut off"));
+  EXPECT_THAT(damage, HasSubstr("the log is truncated at byte "));
 }
 
 TEST_F(FitLabels, FigureIsDrawnIntoAFolderWhateverItsName) {
