@@ -244,7 +244,8 @@ TEST_F(BadInput, a_truncated_log_is_used_as_far_as_it_is_whole) {
               AllOf(HasSubstr("cut.log: the log is truncated at byte "),
                     HasSubstr("4 pairs before it were processed")));
   EXPECT_EQ(messages(record, "EGOMOD_POSE"), kPairs - 1);
-  EXPECT_THAT(refusal({EGOMOD_LOG, "info", root_ / "cut.log"}), HasSubstr("cut off"));
+  EXPECT_THAT(refusal({EGOMOD_LOG, "info", root_ / "cut.log"}),
+              HasSubstr("cut.log: the log is truncated at byte "));
 }
 
 TEST_F(BadInput, what_is_named_as_a_log_is_none) {
@@ -257,7 +258,7 @@ TEST_F(BadInput, what_is_named_as_a_log_is_none) {
   for (const char* command : {"info", "export", "draw"}) {
     std::vector<std::string> arguments{EGOMOD_LOG, command, text, root_ / "out"};
     arguments.resize(command == std::string("info") ? 3 : 4);
-    EXPECT_THAT(refusal(arguments), HasSubstr("text.log: is not an LCM log")) << command;
+    EXPECT_THAT(refusal(arguments), HasSubstr("text.log: not an LCM log")) << command;
   }
 }
 
@@ -325,6 +326,51 @@ TEST_F(BadInput, the_record_is_the_log_that_is_read) {
   EXPECT_THAT(refusal_of_source("log:" + log.string(), {"--record", log}),
               HasSubstr("is the log that is read, and would be overwritten"));
   EXPECT_EQ(read(log), read(good_log()));
+}
+
+TEST_F(BadInput, the_record_is_a_file_of_the_sequence_that_is_read) {
+  const fs::path folder = root_ / "precious";
+  fs::copy(root_ / "good", folder, fs::copy_options::recursive);
+  fs::create_symlink(folder / "calib.txt", root_ / "innocent");
+  fs::create_hard_link(folder / "image_1/000004.png", root_ / "harmless");
+  for (const fs::path& record :
+       {folder / "image_0/000002.png", folder / "times.txt", root_ / "innocent", root_ / "harmless",
+        folder / "image_0" / ".." / "calib.txt"}) {
+    EXPECT_THAT(refusal_of_source("folder:" + folder.string(), {"--record", record}),
+                HasSubstr("record " + record.string() +
+                          ": is a file of the sequence that is read, and would be overwritten"));
+  }
+  for (const char* name : {"image_0/000002.png", "image_1/000004.png", "times.txt", "calib.txt"}) {
+    EXPECT_EQ(read(folder / name), read(root_ / "good" / name)) << name;
+  }
+}
+
+TEST_F(BadInput, an_earlier_record_in_the_folder_of_the_sequence_is_written_anew) {
+  const fs::path folder = root_ / "twice";
+  fs::copy(root_ / "good", folder, fs::copy_options::recursive);
+  for (int i = 0; i < 2; ++i) {
+    const Outcome outcome = run({EGOMODD, kNoBus, "--source=folder:" + folder.string(), "--record",
+                                 folder / "record.lcmlog"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  }
+}
+
+TEST_F(BadInput, the_record_is_the_rig_file_or_the_configuration) {
+  const std::string source = "folder:" + (root_ / "good").string();
+  const std::string rig_text =
+      "[rectified]\nsize_px = [320, 240]\nfx_px = 262\nfy_px = 262\ncx_px = 160\n"
+      "cy_px = 120\nbaseline_m = 0.375\n";
+  const std::string rig = file("my_rig.toml", rig_text);
+  EXPECT_THAT(refusal_of_source(source, {"--rig", rig, "--record", rig}),
+              HasSubstr("my_rig.toml: is the rig file, and would be overwritten"));
+  EXPECT_EQ(read(rig), rig_text);
+  for (const char* option : {"--config", "--preset"}) {
+    const std::string config = file("my_config.toml", "[logging]\nlevel = \"info\"\n");
+    const std::string before = read(config);
+    EXPECT_THAT(refusal_of_source(source, {option, config, "--record", config}),
+                HasSubstr("my_config.toml: is the configuration file, and would be overwritten"));
+    EXPECT_EQ(read(config), before) << option;
+  }
 }
 
 TEST_F(BadInput, the_configuration_names_what_is_not_there) {
