@@ -278,6 +278,44 @@ TEST_F(BadInput, a_record_holds_no_images) {
               HasSubstr("holds no EGOMOD_POSE; record it with egomodd --record"));
 }
 
+TEST_F(BadInput, a_record_is_drawn_on_the_images_of_another_sequence) {
+  const fs::path other = root_ / "other";
+  const auto refusal_with = [&](const std::function<void()>& change) {
+    fs::remove_all(other);
+    fs::copy(root_ / "good", other, fs::copy_options::recursive);
+    change();
+    const fs::path pictures = root_ / "pictures_of_another";
+    const std::string said =
+        refusal({EGOMOD_LOG, "draw", good_record(), pictures, "--images", other});
+    EXPECT_FALSE(fs::exists(pictures));
+    EXPECT_THAT(said, AllOf(HasSubstr("record: is not a record of " + other.string()),
+                            HasSubstr("name its own sequence with --images")));
+    return said;
+  };
+  EXPECT_THAT(refusal_with([&] { write(other / "times.txt", "0\n0.1\n0.25\n0.3\n0.4\n"); }),
+              HasSubstr("no left image has the time of its pair 2, 0.200000 s"));
+  EXPECT_THAT(refusal_with([&] {
+                fs::remove(other / "image_0/000004.png");
+                fs::remove(other / "image_1/000004.png");
+                write(other / "times.txt", "0\n0.1\n0.2\n0.3\n");
+              }),
+              HasSubstr("it has 5 pairs, the folder 4"));
+  EXPECT_THAT(refusal_with([&] {
+                Image small;
+                small.resize(64, 48);
+                for (const char* side : {"image_0", "image_1"}) {
+                  for (int i = 0; i < kPairs; ++i) {
+                    const std::string name = "00000" + std::to_string(i) + ".png";
+                    test_support::write_png(other / side / name, small.view());
+                  }
+                }
+              }),
+              HasSubstr("it is of images of 320x240 pixels, not 64x48"));
+  EXPECT_EQ(run({EGOMOD_LOG, "draw", good_record(), root_ / "pictures", "--images", root_ / "good"})
+                .exit_code,
+            0);
+}
+
 TEST_F(BadInput, a_rig_file_is_malformed) {
   const auto refusal_of_rig = [](const std::string& text) {
     return refusal_of_source("folder:" + (root_ / "good").string(),
