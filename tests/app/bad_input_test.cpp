@@ -186,8 +186,14 @@ TEST_F(BadInput, the_calibration_of_raw_images_cannot_be_right) {
   EXPECT_THAT(refusal_with("S_00: 320 240", "S_00: 320 480"),
               AllOf(HasSubstr("000000.png"), HasSubstr("must be 320x480")));
   EXPECT_THAT(
-      refusal_with("K_00: 262 0 160", "K_00: 262 0 9160"),
+      refusal_with("K_00: 262 0 160", "K_00: 262 0 1160"),
       AllOf(HasSubstr("calib_full.txt: the rectified image lies outside"), HasSubstr("--rig")));
+  EXPECT_THAT(refusal_with("K_00: 262 0 160", "K_00: 262 0 9160"),
+              HasSubstr("calib_full.txt:2: K_00: the principal point must lie within"));
+  EXPECT_THAT(refusal_with("K_00: 262", "K_00: 1e300"),
+              HasSubstr("calib_full.txt:2: K_00: focal lengths must be positive and at most"));
+  EXPECT_THAT(refusal_with("D_01: 0 0 0", "D_01: 0 1e4 0"),
+              HasSubstr("calib_full.txt:8: D_01: must be coefficients of at most 1000"));
 }
 
 TEST_F(BadInput, bytes_that_are_no_text_do_not_reach_the_terminal) {
