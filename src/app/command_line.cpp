@@ -49,7 +49,8 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_flag("--version", a.version, "Print the version and what is built in, and exit");
   app.footer(
       "Exit codes: 0 end of the replay or asked to stop, 1 failed, 2 the command line is wrong, 78 "
-      "the configuration is: a key, a source that this build does not have, the rig file.");
+      "the configuration is: a key, a source that this build does not have, the rig file, a record "
+      "over what is read.");
 }
 
 void apply_named_texts(const Arguments& a, Config& config, ConfigOrigins& origins) {
