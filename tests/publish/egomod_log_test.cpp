@@ -237,6 +237,14 @@ TEST(Draw, MakesAPictureOfEachLeftImage) {
   EXPECT_GT(std::filesystem::file_size(folder.file("out/000001.png")), 0U);
 }
 
+TEST(Draw, NamesTheDamageThatLeavesNoImage) {
+  const test::TemporaryFolder folder;
+  record(folder.file("log"), in_order(test::some_frame(0)));
+  append_event(folder.file("log"), {11, -1});
+  EXPECT_THAT(error_of([&] { draw_log(folder.file("log"), folder.file("out"), ""); }),
+              HasSubstr(folder.file("log") + ": the log is damaged at byte "));
+}
+
 TEST(Draw, NumbersPicturesAsThePairsAre) {
   const test::TemporaryFolder folder;
   Frame skipped = test::some_frame(1);

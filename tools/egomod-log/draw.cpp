@@ -137,6 +137,15 @@ const bot_core::image_t* left_of(const bot_core::images_t& images) {
   return nullptr;
 }
 
+void decode(PictureDecoder& decoder, const bot_core::image_t& message, const std::string& log,
+            Image& image) {
+  try {
+    decoder.decode(message, image);
+  } catch (const std::runtime_error& error) {
+    throw LogError(log + ": " + error.what());
+  }
+}
+
 void draw_from_log(const std::string& log, const Estimates& estimates, Drawing& drawing) {
   LogReader reader(log);
   PictureDecoder decoder;
@@ -154,7 +163,7 @@ void draw_from_log(const std::string& log, const Estimates& estimates, Drawing& 
     const auto pose = estimates.sequences.find(images.utime);
     sequence = pose != estimates.sequences.end() ? pose->second : sequence + 1;
     if (const bot_core::image_t* left = left_of(images)) {
-      decoder.decode(*left, image);
+      decode(decoder, *left, log, image);
       drawing.add(image.view(), images.utime, sequence);
     }
   }
@@ -179,6 +188,7 @@ void draw_log(const std::string& log, const std::string& folder, const std::stri
   }
   drawing.finish();
   if (drawing.drawn() == 0) {
+    reader.require_whole();
     throw LogError(log + ": holds no EGOMOD_IMAGES; name the folder of the sequence with --images");
   }
   reader.require_whole();
