@@ -2,9 +2,11 @@
 #include "egomod/app/command_line.hpp"
 
 #include <CLI/CLI.hpp>
-#include <sstream>
+#include <array>
 
 #include "egomod/app/version.hpp"
+#include "egomod/publish/record_writer.hpp"
+#include "record_check.hpp"
 
 namespace egomod {
 namespace {
@@ -47,7 +49,8 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_flag("--version", a.version, "Print the version and what is built in, and exit");
   app.footer(
       "Exit codes: 0 end of the replay or asked to stop, 1 failed, 2 the command line is wrong, 78 "
-      "the configuration is: a key, a source that this build does not have, the rig file.");
+      "the configuration is: a key, a source that this build does not have, the rig file, a record "
+      "over what is read.");
 }
 
 void apply_named_texts(const Arguments& a, Config& config, ConfigOrigins& origins) {
@@ -93,6 +96,16 @@ Config config_from(const Arguments& a, ConfigOrigins& origins) {
   return config;
 }
 
+// The configuration's own files are known here only.
+void check_record(const Arguments& a, const Config& config) {
+  const std::array files{a.config, a.preset.empty() ? a.preset : find_preset(a.preset)};
+  try {
+    refuse_record_over_inputs(config.daemon, files);
+  } catch (const RecordError& error) {
+    throw ConfigError(error.what());
+  }
+}
+
 Command command_from(const Arguments& a) {
   if (a.version) {
     return {.action = Command::Action::kPrint, .text = version_text()};
@@ -105,6 +118,7 @@ Command command_from(const Arguments& a) {
     return command;
   }
   check_source_and_rig(command.config, origins);
+  check_record(a, command.config);
   if (a.check) {
     command.action = Command::Action::kPrint;
     command.text = "the configuration is fine\n";

@@ -94,14 +94,18 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-// The right key in the wrong section counts as near.
-std::string nearest_key(std::string_view key) {
+// The key that was meant, if one is near. So is the right one in the wrong section.
+std::string advice_on(std::string_view key) {
+  const std::string_view name = key.substr(key.rfind('.') + 1);
   const auto distance = [&](const Option& option) {
-    const std::string_view name = key.substr(key.rfind('.') + 1);
-    return std::min(edit_distance(key, option.key), 1 + edit_distance(name, option.name()));
+    const std::size_t elsewhere = option.name() == name ? 1 : name.size();
+    return std::min(edit_distance(key, option.key), elsewhere);
   };
   const auto nearest = std::ranges::min_element(options(), {}, distance);
-  return std::string(nearest->key);
+  if (distance(*nearest) <= std::max<std::size_t>(2, name.size() / 3)) {
+    return fmt::format("did you mean {}?", nearest->key);
+  }
+  return "--dump-config shows every key";
 }
 
 const Option* find_option(std::string_view key) {
@@ -187,7 +191,7 @@ void apply_value(Config& config, const std::string& where, const std::string& ke
                  const toml::node& value, ConfigOrigins* origins) {
   const Option* option = find_option(key);
   if (option == nullptr) {
-    refuse(where, key, "unknown key; did you mean " + nearest_key(key) + "?");
+    refuse(where, key, "unknown key; " + advice_on(key));
   }
   if (!assign(*option, config, value)) {
     refuse(where, key, "want " + wanted(*option) + ", not " + shown(value));

@@ -8,8 +8,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <filesystem>
-#include <string_view>
 #include <system_error>
 
 #include "egomod/app/command_line.hpp"
@@ -21,6 +19,7 @@
 #include "egomod/publish/publisher.hpp"
 #include "egomod/publish/record_writer.hpp"
 #include "logging.hpp"
+#include "record_check.hpp"
 #include "replay_report.hpp"
 #include "run_summary.hpp"
 #include "service_manager.hpp"
@@ -80,19 +79,6 @@ class Stages {
   RunSummary summary_;
 };
 
-// Opening the record empties it.
-void refuse_record_over_source(const DaemonConfig& daemon) {
-  constexpr std::string_view kLog = "log:";
-  if (daemon.record.empty() || !daemon.source.starts_with(kLog)) {
-    return;
-  }
-  std::error_code ignored;
-  if (std::filesystem::equivalent(daemon.source.substr(kLog.size()), daemon.record, ignored)) {
-    throw RecordError("record " + daemon.record +
-                      ": is the log that is read, and would be overwritten; name another file");
-  }
-}
-
 // Closes the record. Why the run has failed; empty if it has not.
 std::string conclude(const Pipeline& pipeline, PipelineEnd end, bool is_replay,
                      Publisher& publisher) {
@@ -120,7 +106,7 @@ void print(const std::string& text) {
 
 int run_to_the_end(const Config& config, bool quiet) {
   const auto begin = Clock::now();
-  refuse_record_over_source(config.daemon);
+  refuse_record_over_inputs(config.daemon);
   const BusAddress bus(config.daemon.lcm_url);
   const auto source = open_source(config.daemon.source, config.capture, config.daemon.rig, bus,
                                   config.pipeline.realtime);

@@ -88,8 +88,12 @@ StereoCamera rectified_camera(const Matrix34d& P_left, const Matrix34d& P_right,
   camera.fy_px = P_left(1, 1);
   camera.cx_px = P_left(0, 2);
   camera.cy_px = P_left(1, 2);
-  if (!(camera.fx_px > 0.0) || !(camera.fy_px > 0.0)) {
-    throw SourceError(where + ": focal lengths must be positive");
+  // The image's size is not known yet.
+  if (!is_focal_length(camera.fx_px, 0) || !is_focal_length(camera.fy_px, 0)) {
+    throw SourceError(where + ": focal lengths " + kFocalLengthRule);
+  }
+  if (!is_principal_point(camera.cx_px, 0) || !is_principal_point(camera.cy_px, 0)) {
+    throw SourceError(where + ": the principal point " + kPrincipalPointRule);
   }
   for (const Matrix34d* P : {&P_left, &P_right}) {
     const bool is_plain = (*P)(0, 1) == 0.0 && (*P)(1, 0) == 0.0 &&
@@ -107,6 +111,10 @@ StereoCamera rectified_camera(const Matrix34d& P_left, const Matrix34d& P_right,
     throw SourceError(where + ": baseline " + number(camera.baseline_m) +
                       " m is not positive; are left and right swapped?");
   }
+  if (!is_baseline(camera.baseline_m)) {
+    throw SourceError(where + ": the baseline, " + number(camera.baseline_m) + " m, " +
+                      kBaselineRule + "; the fourth column counts pixels times metres");
+  }
   const double off_axis_m = std::hypot(t.y() / camera.fy_px, t.z());
   if (off_axis_m > kMaxOffAxisBaseline * camera.baseline_m) {
     throw SourceError(where + ": not a rectified pair: the right camera is " + number(off_axis_m) +
@@ -120,7 +128,7 @@ Calibration read_kitti_calibration(const std::filesystem::path& file) {
   const Matrix34d P0 = keyed.matrix<3, 4>("P0");
   const Matrix34d P1 = keyed.matrix<3, 4>("P1");
   Calibration calibration;
-  calibration.camera = rectified_camera(P0, P1, file.string() + ": P0 and P1");
+  calibration.camera = rectified_camera(P0, P1, keyed.where("P0") + " and P1");
   return calibration;
 }
 
@@ -149,8 +157,18 @@ RawCamera read_raw_camera(const KeyedFile& keyed, const std::string& suffix) {
   if (!is_camera_matrix(camera.K)) {
     throw SourceError(keyed.where("K_" + suffix) + ": must be [fx s cx; 0 fy cy; 0 0 1]");
   }
+  if (!is_focal_length(camera.K(0, 0), size.x()) || !is_focal_length(camera.K(1, 1), size.y())) {
+    throw SourceError(keyed.where("K_" + suffix) + ": focal lengths " + kFocalLengthRule);
+  }
+  if (!is_principal_point(camera.K(0, 2), size.x()) ||
+      !is_principal_point(camera.K(1, 2), size.y())) {
+    throw SourceError(keyed.where("K_" + suffix) + ": the principal point " + kPrincipalPointRule);
+  }
   const Eigen::Matrix<double, 5, 1> D = keyed.matrix<5, 1>("D_" + suffix);
   Eigen::Map<Eigen::Matrix<double, 5, 1>>(camera.distortion.data()) = D;
+  if (!is_distortion(camera.distortion)) {
+    throw SourceError(keyed.where("D_" + suffix) + ": " + kDistortionRule);
+  }
   camera.R_rectified_raw = read_rotation(keyed, "R_rect_" + suffix);
   return camera;
 }
@@ -182,7 +200,7 @@ Calibration read_kitti_raw_calibration(const std::filesystem::path& file) {
   calibration.t_right_left_m = keyed.matrix<3, 1>("T_01");
   calibration.camera =
       rectified_camera(keyed.matrix<3, 4>("P_rect_00"), keyed.matrix<3, 4>("P_rect_01"),
-                       file.string() + ": P_rect_00 and P_rect_01");
+                       keyed.where("P_rect_00") + " and P_rect_01");
   const Eigen::Vector2i size = read_size(keyed, "S_rect_00");
   if (size != read_size(keyed, "S_rect_01")) {
     throw SourceError(keyed.where("S_rect_01") + ": differs from S_rect_00");

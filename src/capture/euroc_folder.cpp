@@ -125,10 +125,16 @@ RawCamera read_camera(const SensorFile& sensor) {
   const auto K = sensor.numbers("intrinsics", 4);
   const auto D = sensor.numbers("distortion_coefficients", 4);
   if (!is_image_size(size[0], size[1])) sensor.fail("resolution", "is not an image size");
-  if (!(K[0] > 0.0 && K[1] > 0.0)) sensor.fail("intrinsics", "focal lengths must be positive");
   RawCamera camera;
   camera.width_px = static_cast<int>(size[0]);
   camera.height_px = static_cast<int>(size[1]);
+  if (!is_focal_length(K[0], camera.width_px) || !is_focal_length(K[1], camera.height_px)) {
+    sensor.fail("intrinsics", std::string("focal lengths ") + kFocalLengthRule);
+  }
+  if (!is_principal_point(K[2], camera.width_px) || !is_principal_point(K[3], camera.height_px)) {
+    sensor.fail("intrinsics", std::string("the principal point ") + kPrincipalPointRule);
+  }
+  if (!is_distortion(D)) sensor.fail("distortion_coefficients", kDistortionRule);
   camera.K << K[0], 0, K[2], 0, K[1], K[3], 0, 0, 1;
   camera.distortion = {D[0], D[1], D[2], D[3], 0.0};
   return camera;
@@ -143,6 +149,11 @@ Calibration read_calibration(const fs::path& mav0) {
   const Eigen::Isometry3d T_right_left = right.T_BS().inverse() * left.T_BS();
   calibration.R_right_left = T_right_left.linear();
   calibration.t_right_left_m = T_right_left.translation();
+  if (!is_baseline(calibration.t_right_left_m.norm())) {
+    right.fail("T_BS",
+               std::string("with cam0's it gives the distance between the cameras, which ") +
+                   kBaselineRule);
+  }
   choose_rectification(calibration, mav0.string() + "/cam0 and cam1");
   return calibration;
 }

@@ -88,6 +88,7 @@ MessageState find_images(MessageReader& message, StereoRecord& found) {
   fields.next<std::int64_t>();  // utime: each image has its own
   const auto count = fields.next<std::int32_t>();
   if (count <= 0 || count > kMaxImages) return MessageState::kDamaged;
+  bool is_ambiguous = false;
   std::array<std::int16_t, kMaxImages> types{};
   for (std::int32_t i = 0; i < count; ++i) {
     types[static_cast<std::size_t>(i)] = fields.next<std::int16_t>();
@@ -95,10 +96,13 @@ MessageState find_images(MessageReader& message, StereoRecord& found) {
   for (std::int32_t i = 0; fields.ok() && i < count; ++i) {
     const ImageRecord image = next_image(fields);
     const std::int16_t type = types[static_cast<std::size_t>(i)];
-    if (fields.ok() && type == bot_core::images_t::LEFT) found.left = image;
-    if (fields.ok() && type == bot_core::images_t::RIGHT) found.right = image;
+    if (type != bot_core::images_t::LEFT && type != bot_core::images_t::RIGHT) continue;
+    auto& camera = type == bot_core::images_t::LEFT ? found.left : found.right;
+    is_ambiguous = is_ambiguous || camera.has_value();
+    if (fields.ok()) camera = image;
   }
-  return fields.ok() ? MessageState::kOk : MessageState::kDamaged;
+  if (!fields.ok()) return MessageState::kDamaged;
+  return is_ambiguous ? MessageState::kAmbiguous : MessageState::kOk;
 }
 
 MessageState find_image(MessageReader& message, ImageRecord& found) {

@@ -32,7 +32,11 @@ struct StereoRecord {
   std::optional<ImageRecord> right;
 };
 
-enum class MessageState { kOk, kWrongType, kDamaged };
+// kAmbiguous: more than one image of one camera.
+enum class MessageState { kOk, kWrongType, kDamaged, kAmbiguous };
+
+inline constexpr char kAmbiguousImages[] =
+    "holds two images of one camera; image_types must be one LEFT and one RIGHT";
 
 // How encoded messages are read: small pieces at given offsets, so that a scan of a log need not
 // touch pixels. `fetch` copies bytes, or says that the message ends before them.

@@ -46,7 +46,12 @@ void ImageReceiver::receive_images(const std::string& channel,
   MemoryReader reader(message);
   StereoRecord found;
   if (channel == channels_.both) {
-    if (find_images(reader, found) != MessageState::kOk) ++counters_.damaged_messages;
+    const MessageState state = find_images(reader, found);
+    if (state != MessageState::kOk) ++counters_.damaged_messages;
+    if (state == MessageState::kAmbiguous) {
+      is_ambiguous_ = true;
+      return;
+    }
   } else {
     ImageRecord one;
     if (find_image(reader, one) == MessageState::kOk) {
@@ -119,6 +124,11 @@ void ImageReceiver::give_back(const LivePairing::Decision& decision) {
 ImageReceiver::Counters ImageReceiver::counters() const {
   const std::lock_guard lock(mutex_);
   return counters_;
+}
+
+bool ImageReceiver::is_ambiguous() const {
+  const std::lock_guard lock(mutex_);
+  return is_ambiguous_;
 }
 
 std::string ImageReceiver::calibration_fault() const {

@@ -52,6 +52,8 @@ class ImageReceiver {
   [[nodiscard]] Counters counters() const;
   // Why the last calibration that came could not be the first; empty if none was refused.
   [[nodiscard]] std::string calibration_fault() const;
+  // Whether a message held two images of one camera, which is left out.
+  [[nodiscard]] bool is_ambiguous() const;
   [[nodiscard]] const ImageChannels& channels() const { return channels_; }
 
  private:
@@ -69,6 +71,7 @@ class ImageReceiver {
   std::condition_variable_any changed_;
   std::optional<Calibration> calibration_;
   std::string calibration_fault_;
+  bool is_ambiguous_ = false;
   LivePairing pairing_;
   std::array<Slot, kSlots> slots_;
   std::array<std::size_t, kSlots> free_slots_{};

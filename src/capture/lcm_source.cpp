@@ -82,11 +82,17 @@ class LcmSource final : public FrameSource {
   [[nodiscard]] std::vector<std::string> take_warnings() override {
     const std::lock_guard lock(mutex_);
     const auto received = receiver_.counters();
-    const std::string warning =
+    std::vector<std::string> warnings;
+    if (receiver_.is_ambiguous() && !std::exchange(has_warned_of_ambiguity_, true)) {
+      warnings.push_back("a message on " + receiver_.channels().both + " " + kAmbiguousImages +
+                         "; such messages are left out");
+    }
+    std::string warning =
         receive_buffer_.warning({.largest_message_bytes = received.largest_message_bytes,
                                  .awaited_bytes = awaited_bytes(),
                                  .lost_images = received.lost_images});
-    return warning.empty() ? std::vector<std::string>{} : std::vector{warning};
+    if (!warning.empty()) warnings.push_back(std::move(warning));
+    return warnings;
   }
 
   [[nodiscard]] SourceCounters counters() const override {
@@ -230,6 +236,7 @@ class LcmSource final : public FrameSource {
   std::condition_variable_any retry_;
   std::string bus_notice_;
   bool is_connected_ = false;
+  bool has_warned_of_ambiguity_ = false;
   std::chrono::steady_clock::time_point prepared_at_{};
   std::unique_ptr<PairPreparer> preparer_;  // set once, under the mutex
   std::unique_ptr<lcm::LCM> own_bus_;

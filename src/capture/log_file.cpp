@@ -20,6 +20,7 @@ namespace {
 constexpr std::uint32_t kSyncWord = 0xEDA1DA01;
 constexpr std::size_t kHeaderBytes = 28;
 constexpr std::uint32_t kMaxChannelBytes = 1000;
+constexpr std::uint32_t kMaxDataBytes = 0x7FFFFFFF;  // a length is signed
 
 template <typename T>
 T big_endian(const std::uint8_t* bytes) {
@@ -34,11 +35,11 @@ LogFile::LogFile(std::string path) : path_(std::move(path)) {
   descriptor_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
   struct stat status {};
   if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0) {
-    throw SourceError("log:" + path_ + ": cannot be opened: " + std::strerror(errno));
+    throw SourceError(path_ + ": cannot be opened: " + std::strerror(errno));
   }
   if (!S_ISREG(status.st_mode)) {
     ::close(descriptor_);
-    throw SourceError("log:" + path_ + ": is not a file");
+    throw SourceError(path_ + ": is not a file");
   }
   size_bytes_ = static_cast<std::uint64_t>(status.st_size);
 }
@@ -71,8 +72,11 @@ std::optional<LogEvent> LogFile::next_event() {
   const auto channel_bytes = big_endian<std::uint32_t>(&header[20]);
   LogEvent event;
   event.number = big_endian<std::int64_t>(&header[4]);
+  event.utime_us = big_endian<std::int64_t>(&header[12]);
   event.data_bytes = big_endian<std::uint32_t>(&header[24]);
-  if (big_endian<std::uint32_t>(header.data()) != kSyncWord || channel_bytes > kMaxChannelBytes) {
+  const bool is_event = big_endian<std::uint32_t>(header.data()) == kSyncWord &&
+                        channel_bytes <= kMaxChannelBytes && event.data_bytes <= kMaxDataBytes;
+  if (!is_event) {
     set_damage(events_ == 0 ? "not an LCM log" : "the log is damaged");
     return std::nullopt;
   }

@@ -12,6 +12,7 @@ namespace egomod {
 
 struct LogEvent {
   std::int64_t number = 0;
+  std::int64_t utime_us = 0;
   std::string channel;
   std::uint64_t data_offset = 0;  // in the file
   std::uint32_t data_bytes = 0;

@@ -74,6 +74,7 @@ class Indexer {
     if (state == MessageState::kWrongType) {
       fail(event, is_both ? "is not a bot_core.images_t" : "is not a bot_core.image_t");
     }
+    if (state == MessageState::kAmbiguous) fail(event, kAmbiguousImages);
     if (state == MessageState::kDamaged) {
       add_damaged(event, reader);
       return;

@@ -123,8 +123,27 @@ Eigen::Isometry3d read_T_body_camera(const Table& table) {
   return T;
 }
 
+void require_pinhole(const Table& table) {
+  const auto size = table.size("size_px");
+  if (!is_image_size(size[0], size[1])) table.fail("size_px", "is not an image size");
+  if (!is_focal_length(table.number("fx_px"), size[0])) table.fail("fx_px", kFocalLengthRule);
+  if (!is_focal_length(table.number("fy_px"), size[1])) table.fail("fy_px", kFocalLengthRule);
+  if (!is_principal_point(table.number("cx_px"), size[0])) table.fail("cx_px", kPrincipalPointRule);
+  if (!is_principal_point(table.number("cy_px"), size[1])) table.fail("cy_px", kPrincipalPointRule);
+}
+
+// Row by row.
+Eigen::Matrix3d read_rotation(const Table& table, std::string_view key) {
+  const auto values = table.numbers(key, 9);
+  Eigen::Matrix3d R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values.data());
+  if (!is_rotation(R)) table.fail(key, "is not a rotation");
+  return R;
+}
+
 StereoCamera read_rectified(const Table& table) {
   table.allow_only({"size_px", "fx_px", "fy_px", "cx_px", "cy_px", "baseline_m"});
+  require_pinhole(table);
+  if (!is_baseline(table.number("baseline_m"))) table.fail("baseline_m", kBaselineRule);
   const auto size = table.size("size_px");
   return {.fx_px = table.number("fx_px"),
           .fy_px = table.number("fy_px"),
@@ -138,6 +157,7 @@ StereoCamera read_rectified(const Table& table) {
 RawCamera read_raw(const Table& table) {
   table.allow_only(
       {"size_px", "fx_px", "fy_px", "cx_px", "cy_px", "distortion", "R_rectified_raw"});
+  require_pinhole(table);
   RawCamera camera;
   const auto size = table.size("size_px");
   camera.width_px = size[0];
@@ -145,22 +165,23 @@ RawCamera read_raw(const Table& table) {
   camera.K << table.number("fx_px"), 0, table.number("cx_px"), 0, table.number("fy_px"),
       table.number("cy_px"), 0, 0, 1;
   const auto D = table.numbers("distortion", 5);
+  if (!is_distortion(D)) table.fail("distortion", kDistortionRule);
   std::copy(D.begin(), D.end(), camera.distortion.begin());
   if (table.has("R_rectified_raw")) {
-    const auto R = table.numbers("R_rectified_raw", 9);
-    camera.R_rectified_raw =
-        Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(R.data());
+    camera.R_rectified_raw = read_rotation(table, "R_rectified_raw");
   }
   return camera;
 }
 
 void read_extrinsics(const Table& table, Calibration& calibration) {
   table.allow_only({"rotation", "translation_m"});
-  const auto R = table.numbers("rotation", 9);
+  calibration.R_right_left = read_rotation(table, "rotation");
   const auto t = table.numbers("translation_m", 3);
-  calibration.R_right_left =
-      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(R.data());
   calibration.t_right_left_m = Eigen::Vector3d(t[0], t[1], t[2]);
+  if (!is_baseline(calibration.t_right_left_m.norm())) {
+    table.fail("translation_m",
+               std::string("is the distance between the cameras and ") + kBaselineRule);
+  }
 }
 
 void read_raw_rig(const Table& root, Calibration& calibration, const std::string& file) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 namespace egomod {
 namespace {
@@ -59,12 +58,6 @@ bool describe_window(const ImageView& image, ImagePoint centre, Bytes& bytes) {
   return normalise(gradients, bytes);
 }
 
-int distance(const Bytes& a, const Bytes& b) {
-  int total = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) total += std::abs(a[i] - b[i]);
-  return total;
-}
-
 }  // namespace
 
 bool describe(const Pyramid& pyramid, ImagePoint position, Descriptor& descriptor) {
@@ -73,11 +66,6 @@ bool describe(const Pyramid& pyramid, ImagePoint position, Descriptor& descripto
   const ImagePoint centre = to_level(position, 1);
   return describe_window<kNarrowCell_px>(image, centre, descriptor.narrow) &&
          describe_window<kWideCell_px>(image, centre, descriptor.wide);
-}
-
-int descriptor_distance(const Descriptor& a, const Descriptor& b) {
-  return std::min(
-      {distance(a.narrow, b.narrow), distance(a.narrow, b.wide), distance(a.wide, b.narrow)});
 }
 
 }  // namespace egomod

@@ -18,9 +18,8 @@ Bus::~Bus() = default;
 void Bus::open() {
   connection_ = address_.open();
   if (connection_) return;
-  problem_ = "the LCM bus (URL: " + shown(address_.url()) +
-             ") cannot be opened; UDP multicast needs a route, and without a network this gives " +
-             "one: ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo";
+  problem_ =
+      "the LCM bus (URL: " + shown(address_.url()) + ") cannot be opened; " + address_.remedy();
 }
 
 bool Bus::is_open() {

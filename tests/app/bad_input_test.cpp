@@ -186,8 +186,14 @@ TEST_F(BadInput, the_calibration_of_raw_images_cannot_be_right) {
   EXPECT_THAT(refusal_with("S_00: 320 240", "S_00: 320 480"),
               AllOf(HasSubstr("000000.png"), HasSubstr("must be 320x480")));
   EXPECT_THAT(
-      refusal_with("K_00: 262 0 160", "K_00: 262 0 9160"),
+      refusal_with("K_00: 262 0 160", "K_00: 262 0 1160"),
       AllOf(HasSubstr("calib_full.txt: the rectified image lies outside"), HasSubstr("--rig")));
+  EXPECT_THAT(refusal_with("K_00: 262 0 160", "K_00: 262 0 9160"),
+              HasSubstr("calib_full.txt:2: K_00: the principal point must lie within"));
+  EXPECT_THAT(refusal_with("K_00: 262", "K_00: 1e300"),
+              HasSubstr("calib_full.txt:2: K_00: focal lengths must be positive and at most"));
+  EXPECT_THAT(refusal_with("D_01: 0 0 0", "D_01: 0 1e4 0"),
+              HasSubstr("calib_full.txt:8: D_01: must be coefficients of at most 1000"));
 }
 
 TEST_F(BadInput, bytes_that_are_no_text_do_not_reach_the_terminal) {
@@ -244,7 +250,8 @@ TEST_F(BadInput, a_truncated_log_is_used_as_far_as_it_is_whole) {
               AllOf(HasSubstr("cut.log: the log is truncated at byte "),
                     HasSubstr("4 pairs before it were processed")));
   EXPECT_EQ(messages(record, "EGOMOD_POSE"), kPairs - 1);
-  EXPECT_THAT(refusal({EGOMOD_LOG, "info", root_ / "cut.log"}), HasSubstr("cut off"));
+  EXPECT_THAT(refusal({EGOMOD_LOG, "info", root_ / "cut.log"}),
+              HasSubstr("cut.log: the log is truncated at byte "));
 }
 
 TEST_F(BadInput, what_is_named_as_a_log_is_none) {
@@ -257,7 +264,7 @@ TEST_F(BadInput, what_is_named_as_a_log_is_none) {
   for (const char* command : {"info", "export", "draw"}) {
     std::vector<std::string> arguments{EGOMOD_LOG, command, text, root_ / "out"};
     arguments.resize(command == std::string("info") ? 3 : 4);
-    EXPECT_THAT(refusal(arguments), HasSubstr("text.log: is not an LCM log")) << command;
+    EXPECT_THAT(refusal(arguments), HasSubstr("text.log: not an LCM log")) << command;
   }
 }
 
@@ -275,6 +282,44 @@ TEST_F(BadInput, a_record_holds_no_images) {
   EXPECT_THAT(refusal({EGOMOD_LOG, "draw", good_record(), root_ / "out"}), HasSubstr("--images"));
   EXPECT_THAT(refusal({EGOMOD_LOG, "export", good_log(), root_ / "out"}),
               HasSubstr("holds no EGOMOD_POSE; record it with egomodd --record"));
+}
+
+TEST_F(BadInput, a_record_is_drawn_on_the_images_of_another_sequence) {
+  const fs::path other = root_ / "other";
+  const auto refusal_with = [&](const std::function<void()>& change) {
+    fs::remove_all(other);
+    fs::copy(root_ / "good", other, fs::copy_options::recursive);
+    change();
+    const fs::path pictures = root_ / "pictures_of_another";
+    const std::string said =
+        refusal({EGOMOD_LOG, "draw", good_record(), pictures, "--images", other});
+    EXPECT_FALSE(fs::exists(pictures));
+    EXPECT_THAT(said, AllOf(HasSubstr("record: is not a record of " + other.string()),
+                            HasSubstr("name its own sequence with --images")));
+    return said;
+  };
+  EXPECT_THAT(refusal_with([&] { write(other / "times.txt", "0\n0.1\n0.25\n0.3\n0.4\n"); }),
+              HasSubstr("no left image has the time of its pair 2, 0.200000 s"));
+  EXPECT_THAT(refusal_with([&] {
+                fs::remove(other / "image_0/000004.png");
+                fs::remove(other / "image_1/000004.png");
+                write(other / "times.txt", "0\n0.1\n0.2\n0.3\n");
+              }),
+              HasSubstr("it has 5 pairs, the folder 4"));
+  EXPECT_THAT(refusal_with([&] {
+                Image small;
+                small.resize(64, 48);
+                for (const char* side : {"image_0", "image_1"}) {
+                  for (int i = 0; i < kPairs; ++i) {
+                    const std::string name = "00000" + std::to_string(i) + ".png";
+                    test_support::write_png(other / side / name, small.view());
+                  }
+                }
+              }),
+              HasSubstr("it is of images of 320x240 pixels, not 64x48"));
+  EXPECT_EQ(run({EGOMOD_LOG, "draw", good_record(), root_ / "pictures", "--images", root_ / "good"})
+                .exit_code,
+            0);
 }
 
 TEST_F(BadInput, a_rig_file_is_malformed) {
@@ -325,6 +370,51 @@ TEST_F(BadInput, the_record_is_the_log_that_is_read) {
   EXPECT_THAT(refusal_of_source("log:" + log.string(), {"--record", log}),
               HasSubstr("is the log that is read, and would be overwritten"));
   EXPECT_EQ(read(log), read(good_log()));
+}
+
+TEST_F(BadInput, the_record_is_a_file_of_the_sequence_that_is_read) {
+  const fs::path folder = root_ / "precious";
+  fs::copy(root_ / "good", folder, fs::copy_options::recursive);
+  fs::create_symlink(folder / "calib.txt", root_ / "innocent");
+  fs::create_hard_link(folder / "image_1/000004.png", root_ / "harmless");
+  for (const fs::path& record :
+       {folder / "image_0/000002.png", folder / "times.txt", root_ / "innocent", root_ / "harmless",
+        folder / "image_0" / ".." / "calib.txt"}) {
+    EXPECT_THAT(refusal_of_source("folder:" + folder.string(), {"--record", record}),
+                HasSubstr("record " + record.string() +
+                          ": is a file of the sequence that is read, and would be overwritten"));
+  }
+  for (const char* name : {"image_0/000002.png", "image_1/000004.png", "times.txt", "calib.txt"}) {
+    EXPECT_EQ(read(folder / name), read(root_ / "good" / name)) << name;
+  }
+}
+
+TEST_F(BadInput, an_earlier_record_in_the_folder_of_the_sequence_is_written_anew) {
+  const fs::path folder = root_ / "twice";
+  fs::copy(root_ / "good", folder, fs::copy_options::recursive);
+  for (int i = 0; i < 2; ++i) {
+    const Outcome outcome = run({EGOMODD, kNoBus, "--source=folder:" + folder.string(), "--record",
+                                 folder / "record.lcmlog"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  }
+}
+
+TEST_F(BadInput, the_record_is_the_rig_file_or_the_configuration) {
+  const std::string source = "folder:" + (root_ / "good").string();
+  const std::string rig_text =
+      "[rectified]\nsize_px = [320, 240]\nfx_px = 262\nfy_px = 262\ncx_px = 160\n"
+      "cy_px = 120\nbaseline_m = 0.375\n";
+  const std::string rig = file("my_rig.toml", rig_text);
+  EXPECT_THAT(refusal_of_source(source, {"--rig", rig, "--record", rig}),
+              HasSubstr("my_rig.toml: is the rig file, and would be overwritten"));
+  EXPECT_EQ(read(rig), rig_text);
+  for (const char* option : {"--config", "--preset"}) {
+    const std::string config = file("my_config.toml", "[logging]\nlevel = \"info\"\n");
+    const std::string before = read(config);
+    EXPECT_THAT(refusal_of_source(source, {option, config, "--record", config}),
+                HasSubstr("my_config.toml: is the configuration file, and would be overwritten"));
+    EXPECT_EQ(read(config), before) << option;
+  }
 }
 
 TEST_F(BadInput, the_configuration_names_what_is_not_there) {

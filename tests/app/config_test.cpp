@@ -89,6 +89,16 @@ TEST_F(ConfigFile, an_unknown_key_is_refused_with_its_place_and_the_nearest_key)
             "2:1: features.max_rate_hz: unknown key; did you mean capture.max_rate_hz?");
 }
 
+TEST_F(ConfigFile, an_unknown_key_far_from_all_others_suggests_none) {
+  EXPECT_EQ(error_of("[capture]\nbrightness = 5\n"),
+            "2:1: capture.brightness: unknown key; --dump-config shows every key");
+  EXPECT_EQ(error_of("[publish]\nslot = 5\n"),
+            "2:1: publish.slot: unknown key; --dump-config shows every key")
+      << "another section's key must be named exactly";
+  EXPECT_EQ(error_of("[publish]\nslots = 5\n"),
+            "2:1: publish.slots: unknown key; did you mean pipeline.slots?");
+}
+
 TEST_F(ConfigFile, an_unknown_section_is_refused) {
   EXPECT_THAT(error_of("[camera]\nfps = 30\n"), HasSubstr("camera: unknown key"));
   EXPECT_THAT(error_of("slots = 8\n"),

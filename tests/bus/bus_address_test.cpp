@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <lcm/lcm-cpp.hpp>
 #include <vector>
 
@@ -11,7 +12,10 @@ namespace egomod {
 namespace {
 
 using namespace std::chrono_literals;
+using ::testing::AllOf;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 TEST(Backoff, waits_twice_as_long_each_time_but_never_more_than_30_s) {
   Backoff backoff;
@@ -46,6 +50,23 @@ TEST(BusAddress, is_tried_by_all_its_copies_as_one) {
   for (const BusAddress& copy : copies) EXPECT_EQ(copy.open(), nullptr);
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
   EXPECT_NE(once, "");
+}
+
+TEST(BusAddress, tells_a_remedy_that_fits_the_scheme) {
+  const auto names_schemes =
+      AllOf(HasSubstr("unknown scheme, use udpm://"), Not(HasSubstr("route")));
+  for (const char* url : {"foo://", "foo://239.255.76.67:7667", "239.255.76.67:7667", "udp://"}) {
+    EXPECT_THAT(BusAddress(url).remedy(), names_schemes) << url;
+  }
+  const auto names_route = HasSubstr("ip route add 224.0.0.0/4 dev lo");
+  EXPECT_THAT(BusAddress("udpm://239.255.76.67:7667?ttl=0").remedy(), names_route);
+  EXPECT_THAT(BusAddress("tcpq://localhost:7700").remedy(), HasSubstr("lcm-tcpq-server"));
+  ::unsetenv("LCM_DEFAULT_URL");
+  EXPECT_THAT(BusAddress().remedy(), names_route);
+  ::setenv("LCM_DEFAULT_URL", "foo://", 1);
+  EXPECT_THAT(BusAddress().remedy(), names_schemes);
+  EXPECT_THAT(BusAddress("udpm://").remedy(), names_route);
+  ::unsetenv("LCM_DEFAULT_URL");
 }
 
 TEST(BusAddress, opens_for_each_copy_once_it_can_be_opened) {

@@ -57,6 +57,79 @@ TEST_F(CalibrationSourcesTest, RigFileErrorsNameLineAndKey) {
   EXPECT_THAT(error_of_rig(""), HasSubstr("rectified is missing"));
 }
 
+std::string with(std::string text, const std::string& part, const std::string& replacement) {
+  return text.replace(text.find(part), part.size(), replacement);
+}
+
+TEST_F(CalibrationSourcesTest, RigFileOfAbsurdValuesIsRefusedNamingLineAndKey) {
+  const auto error_with = [&](const std::string& part, const std::string& replacement) {
+    return error_of_rig(with(kRig, part, replacement));
+  };
+  EXPECT_EQ(error_with("cx_px = 20.0", "cx_px = 439"), "");
+  EXPECT_EQ(error_with("fx_px = 100", "fx_px = 40000"), "");
+  EXPECT_EQ(error_with("baseline_m = 0.2", "baseline_m = 100"), "");
+  EXPECT_THAT(error_with("[40, 30]", "[40, 8]"),
+              HasSubstr("rig.toml:2: rectified.size_px is not an image size"));
+  EXPECT_THAT(error_with("fx_px = 100", "fx_px = 1e300"),
+              HasSubstr("rig.toml:3: rectified.fx_px must be positive and at most 1000 times"));
+  EXPECT_THAT(error_with("fy_px = 100.0", "fy_px = -100.0"),
+              HasSubstr("rig.toml:4: rectified.fy_px must be positive"));
+  EXPECT_THAT(error_with("cx_px = 20.0", "cx_px = 441"),
+              HasSubstr("rig.toml:5: rectified.cx_px must lie within 10 image sizes"));
+  EXPECT_THAT(error_with("cy_px = 15.0", "cy_px = -1e9"),
+              HasSubstr("rig.toml:6: rectified.cy_px must lie within 10 image sizes"));
+  for (const char* baseline : {"-0.2", "0", "101", "1e300"}) {
+    EXPECT_THAT(error_with("baseline_m = 0.2", std::string("baseline_m = ") + baseline),
+                HasSubstr("rig.toml:7: rectified.baseline_m must be positive and at most 100 m"));
+  }
+}
+
+TEST_F(CalibrationSourcesTest, RigFileOfAbsurdRawCamerasIsRefusedNamingLineAndKey) {
+  const std::string camera =
+      "size_px = [40, 30]\nfx_px = 50\nfy_px = 50\ncx_px = 19.5\ncy_px = 14.5\n"
+      "distortion = [-0.1, 0.01, 0, 0, 0]\n";
+  const std::string rig = "[left]\n" + camera + "[right]\n" + camera +
+                          "[right_from_left]\nrotation = [1, 0, 0, 0, 1, 0, 0, 0, 1]\n"
+                          "translation_m = [-0.11, 0, 0]\n";
+  const auto error_with = [&](const std::string& part, const std::string& replacement) {
+    return error_of_rig(with(rig, part, replacement));
+  };
+  EXPECT_EQ(error_of_rig(rig), "");
+  EXPECT_THAT(error_with("fx_px = 50", "fx_px = 1e300"),
+              HasSubstr("rig.toml:3: left.fx_px must be positive and at most"));
+  EXPECT_THAT(error_with("cx_px = 19.5", "cx_px = 1e9"),
+              HasSubstr("rig.toml:5: left.cx_px must lie within 10 image sizes"));
+  EXPECT_THAT(error_with("[-0.1, 0.01,", "[-0.1, 1001,"),
+              HasSubstr("rig.toml:7: left.distortion must be coefficients of at most 1000"));
+  EXPECT_THAT(error_with("rotation = [1, 0,", "rotation = [1, 0.1,"),
+              HasSubstr("rig.toml:16: right_from_left.rotation is not a rotation"));
+  EXPECT_THAT(error_with("rotation = [1,", "rotation = [-1,"), HasSubstr("is not a rotation"));
+  EXPECT_THAT(error_with("[-0.11, 0, 0]", "[-110, 0, 0]"),
+              AllOf(HasSubstr("rig.toml:17: right_from_left.translation_m"),
+                    HasSubstr("must be positive and at most 100 m")));
+}
+
+TEST_F(CalibrationSourcesTest, KittiFolderOfAbsurdValuesIsRefusedNamingLineAndKey) {
+  write_kitti(1);
+  const auto error_of = [&](const std::string& K, const std::string& tx) {
+    const auto row = [&](const std::string& t) { return with(K, "T", t) + " 0 0 0 1 0\n"; };
+    write("calib.txt", "P0: " + row("0") + "P1: " + row(tx));
+    return error_of_opening();
+  };
+  EXPECT_EQ(error_of("50 0 19.5 T 0 50 14.5", "-10"), "");
+  EXPECT_THAT(
+      error_of("1e300 0 19.5 T 0 50 14.5", "-10"),
+      AllOf(HasSubstr("calib.txt:1: P0 and P1: focal lengths must be positive and at most")));
+  EXPECT_THAT(error_of("50 0 1e9 T 0 50 14.5", "-10"),
+              HasSubstr("calib.txt:1: P0 and P1: the principal point must lie within"));
+  EXPECT_THAT(error_of("50 0 450 T 0 50 14.5", "-10"),
+              AllOf(HasSubstr("calib.txt: cx must lie within 10 image sizes"),
+                    HasSubstr("correct it, or name a rig file with --rig")));
+  EXPECT_THAT(
+      error_of("50 0 19.5 T 0 50 14.5", "-5500"),
+      HasSubstr("calib.txt:1: P0 and P1: the baseline, 110.000000 m, must be positive and"));
+}
+
 TEST_F(CalibrationSourcesTest, RawFolderIsRectified) {
   write_kitti(1);
   std::string text;
@@ -117,6 +190,14 @@ TEST_F(EurocTest, RefusesWhatNoCameraCanBeNamingTheLine) {
   }
   EXPECT_THAT(error_with("[50, 50,", "[50, -50,"),
               HasSubstr("cam1/sensor.yaml:8: intrinsics: focal lengths must be positive"));
+  EXPECT_THAT(error_with("[50, 50,", "[1e300, 50,"),
+              HasSubstr("cam1/sensor.yaml:8: intrinsics: focal lengths must be positive and at"));
+  EXPECT_THAT(error_with("50, 19.5,", "50, 1e9,"),
+              HasSubstr("cam1/sensor.yaml:8: intrinsics: the principal point must lie within"));
+  EXPECT_THAT(error_with("[-0.1, 0.01,", "[-0.1, -1001,"),
+              HasSubstr("cam1/sensor.yaml:9: distortion_coefficients: must be coefficients of"));
+  EXPECT_THAT(error_with("0.11,", "110,"),
+              AllOf(HasSubstr("cam1/sensor.yaml:3: T_BS: "), HasSubstr("at most 100 m")));
   EXPECT_THAT(error_with("data: [1, 0,", "data: [2, 0,"),
               HasSubstr("cam1/sensor.yaml:3: T_BS: is not a rigid transform"));
 }

@@ -158,6 +158,22 @@ TEST_F(LcmSourceTest, SaysWhyACalibrationOfTheBusCannotBeTaken) {
   EXPECT_THAT(source->notice(), ::testing::HasSubstr("cannot be right: the baseline must be"));
 }
 
+TEST_F(LcmSourceTest, WarnsOnceOfMessagesWithTwoImagesOfOneCamera) {
+  const auto source = open_lcm_source(bus_, {}, "");
+  publish_calibration();
+  auto images = stereo(grey_image(0, 1), grey_image(0, 2));
+  images.image_types[1] = bot_core::images_t::LEFT;
+  for (int i = 0; i < 2; ++i) bus_.publish("EGOMOD_IMAGES", &images);
+  publish(33000, 1);
+  ASSERT_EQ(source->next(pair_, {}), SourceState::kPair);
+  EXPECT_EQ(pair_.utime_us(), 33000);
+  EXPECT_EQ(source->counters().damaged_messages, 2U);
+  EXPECT_THAT(
+      source->take_warnings(),
+      ::testing::ElementsAre(::testing::HasSubstr("EGOMOD_IMAGES holds two images of one")));
+  EXPECT_TRUE(source->take_warnings().empty());
+}
+
 TEST_F(LcmSourceTest, RejectsAPairOfWhichTheRightImageIsMissingSayingWhy) {
   const auto source = open_lcm_source(bus_, {}, "");
   publish_calibration();

@@ -111,6 +111,18 @@ TEST_F(LogSourceTest, PairsTwoChannelsByExposure) {
   }
 }
 
+TEST_F(LogSourceTest, NamesAMessageWithTwoImagesOfOneCamera) {
+  for (const std::int16_t camera : {bot_core::images_t::LEFT, bot_core::images_t::RIGHT}) {
+    add("EGOMOD_CALIBRATION", rectified_calibration());
+    auto images = stereo(grey_image(0, 1), grey_image(0, 2));
+    images.image_types = {camera, camera};
+    add("EGOMOD_IMAGES", images);
+    EXPECT_THAT(error_of_opening_log(),
+                AllOf(HasSubstr("event 1 on channel EGOMOD_IMAGES: holds two images of one camera"),
+                      HasSubstr("must be one LEFT and one RIGHT")));
+  }
+}
+
 TEST_F(LogSourceTest, RejectsDamagedImagesAndGoesOn) {
   add("EGOMOD_CALIBRATION", rectified_calibration());
   add("EGOMOD_IMAGES", stereo(grey_image(0, 1), grey_image(0, 1)));

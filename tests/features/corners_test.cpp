@@ -5,6 +5,7 @@
 
 #include <map>
 
+#include "noise.hpp"
 #include "reference_kernels.hpp"
 #include "test_images.hpp"
 
@@ -81,13 +82,10 @@ TEST(CornerDetectorTest, FindsCornersInLowTexture) {
   EXPECT_GT(corners_of(poster(20.0, 0.5)).size(), kEnough);
 }
 
-TEST(CornerDetectorTest, MeasuresTheNoise) {
+TEST(NoiseTest, IsMeasuredOnAFlatImage) {
   for (const double sigma : {1.0, 3.0, 8.0}) {
-    CornerDetector detector({});
-    std::vector<Corner> corners;
-    detector.detect(testing::flat_image(kWidth_px, kHeight_px, 128.0, sigma).view(), {}, 1.0F,
-                    corners);
-    EXPECT_NEAR(detector.noise_sigma(), sigma, 0.15 * sigma + 0.1);
+    const Image image = testing::flat_image(kWidth_px, kHeight_px, 128.0, sigma);
+    EXPECT_NEAR(estimate_noise_sigma(image.view()), sigma, 0.15 * sigma + 0.1);
   }
 }
 

@@ -53,12 +53,6 @@ TEST(PyramidTest, ASpotLiesWhereTheConventionSays) {
   }
 }
 
-TEST(PyramidTest, ToFullUndoesToLevel) {
-  const ImagePoint p = to_full(to_level({37.25F, 11.5F}, 3), 3);
-  EXPECT_FLOAT_EQ(p.u_px, 37.25F);
-  EXPECT_FLOAT_EQ(p.v_px, 11.5F);
-}
-
 TEST(PyramidTest, StopsBeforeALevelGetsTooSmall) {
   const Image image = testing::flat_image(100, 50, 128.0, 10.0);
   Pyramid pyramid;

@@ -166,7 +166,22 @@ TEST_F(FitLabels, TheWholePartOfATruncatedRecordIsUsedAndTheDamageTold) {
   std::filesystem::resize_file(folder / "log", std::filesystem::file_size(folder / "log") - 3);
   const auto [labels, damage] = label_record(folder / "log", folder);
   EXPECT_EQ(labels.static_mps.size(), 1U);
-  EXPECT_THAT(damage, HasSubstr("the log is cut off"));
+  EXPECT_THAT(damage, HasSubstr("the log is truncated at byte "));
+}
+
+TEST_F(FitLabels, ARecordOfWhichNoTracksAreWholeTellsTheDamage) {
+  file("objects.csv", "frame,cz,bz,u_min,v_min,u_max,v_max,moving\n");
+  {
+    lcm::LogFile log(folder / "log", "w");
+    append(log, "EGOMOD_CALIBRATION", calibration_t{});
+  }
+  std::filesystem::resize_file(folder / "log", std::filesystem::file_size(folder / "log") - 3);
+  try {
+    (void)label_record(folder / "log", folder);
+    FAIL() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("the log is truncated at byte 0,"));
+  }
 }
 
 TEST_F(FitLabels, FigureIsDrawnIntoAFolderWhateverItsName) {

@@ -2,7 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <egomod/object_list_t.hpp>
 #include <egomod/pose_t.hpp>
+#include <limits>
 
 #include "commands.hpp"
 #include "egomod/publish/publisher.hpp"
@@ -143,9 +146,73 @@ TEST(Export, UsesWhatIsWholeOfATruncatedLogAndThenFails) {
   std::filesystem::resize_file(folder.file("log"),
                                std::filesystem::file_size(folder.file("log")) - 3);
   EXPECT_THAT(error_of([&] { export_log(folder.file("log"), folder.file("out")); }),
-              HasSubstr("cut off"));
+              HasSubstr("truncated"));
   EXPECT_EQ(poses_of(folder.file("out/poses.txt")).size(), 2U);
-  EXPECT_THAT(error_of([&] { print_info(folder.file("log")); }), HasSubstr("cut off"));
+  EXPECT_THAT(error_of([&] { print_info(folder.file("log")); }), HasSubstr("truncated"));
+}
+
+struct DamagedLengths {
+  std::int32_t channel;
+  std::int32_t data;
+};
+
+// Such an event, then bytes for it to be read from.
+void append_event(const std::string& path, DamagedLengths lengths) {
+  std::ofstream file(path, std::ios::binary | std::ios::app);
+  const auto put = [&](std::int64_t value, int bytes) {
+    for (int i = bytes - 1; i >= 0; --i) file.put(static_cast<char>(value >> (8 * i) & 0xFF));
+  };
+  put(0xEDA1DA01, 4);
+  put(2, 8);
+  put(300'000, 8);
+  put(lengths.channel, 4);
+  put(lengths.data, 4);
+  file << "EGOMOD_POSE" << std::string(5000, 'x');
+}
+
+TEST(Export, UsesWhatIsWholeBeforeLengthsThatAreDamagedAndNamesThePlace) {
+  constexpr std::int32_t kLowest = std::numeric_limits<std::int32_t>::min();
+  constexpr std::int32_t kHighest = std::numeric_limits<std::int32_t>::max();
+  const test::TemporaryFolder folder;
+  for (const DamagedLengths lengths : {DamagedLengths{-1, 100},
+                                       {kLowest, 100},
+                                       {kHighest, 100},
+                                       {4000, 100},
+                                       {11, -1},
+                                       {11, kLowest},
+                                       {11, kHighest},
+                                       {-1, -1}}) {
+    SCOPED_TRACE(std::to_string(lengths.channel) + " and " + std::to_string(lengths.data));
+    record(folder.file("log"), in_order(test::some_frame(0), test::some_frame(1)));
+    const auto whole_bytes = std::filesystem::file_size(folder.file("log"));
+    append_event(folder.file("log"), lengths);
+    const auto names_the_place =
+        testing::AllOf(HasSubstr(folder.file("log") + ": the log is "),
+                       HasSubstr(" at byte " + std::to_string(whole_bytes) + ","));
+    EXPECT_THAT(error_of([&] { export_log(folder.file("log"), folder.file("out")); }),
+                names_the_place);
+    EXPECT_EQ(poses_of(folder.file("out/poses.txt")).size(), 2U);
+    EXPECT_THAT(error_of([&] { print_info(folder.file("log")); }), names_the_place);
+  }
+}
+
+TEST(Export, NamesTheEventWhoseMessageHoldsADamagedCount) {
+  const test::TemporaryFolder folder;
+  for (const std::uint8_t highest_byte : {std::uint8_t{0x7F}, std::uint8_t{0xFF}}) {
+    object_list_t list{};
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(list.getEncodedSize()));
+    list.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    std::fill(bytes.end() - 4, bytes.end(), 0xFF);  // the count comes last
+    *(bytes.end() - 4) = highest_byte;
+    {
+      RecordWriter writer(folder.file("log"));
+      const std::string channel = "EGOMOD_OBJECTS";
+      writer.write({channel, 0, bytes});
+      writer.flush();
+    }
+    EXPECT_THAT(error_of([&] { export_log(folder.file("log"), folder.file("out")); }),
+                HasSubstr("event 0 on EGOMOD_OBJECTS: not an egomod object_list_t"));
+  }
 }
 
 TEST(Info, NamesAChannelWithAnUnknownType) {
@@ -168,6 +235,14 @@ TEST(Draw, MakesAPictureOfEachLeftImage) {
          ImageEncoding::kJpeg);
   draw_log(folder.file("log"), folder.file("out"), "");
   EXPECT_GT(std::filesystem::file_size(folder.file("out/000001.png")), 0U);
+}
+
+TEST(Draw, NamesTheDamageThatLeavesNoImage) {
+  const test::TemporaryFolder folder;
+  record(folder.file("log"), in_order(test::some_frame(0)));
+  append_event(folder.file("log"), {11, -1});
+  EXPECT_THAT(error_of([&] { draw_log(folder.file("log"), folder.file("out"), ""); }),
+              HasSubstr(folder.file("log") + ": the log is damaged at byte "));
 }
 
 TEST(Draw, NumbersPicturesAsThePairsAre) {

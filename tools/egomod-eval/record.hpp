@@ -38,7 +38,7 @@ struct Record {
   std::optional<std::vector<PointEvidence>> points;  // nothing: recorded without EGOMOD_TRACKS
 };
 
-// A log of egomodd. Throws an exception that names file and place, also where the log is cut off.
+// A log of egomodd. Throws an exception that names file and place, also where the log is damaged.
 [[nodiscard]] Record read_record(const std::string& log);
 
 }  // namespace egomod::eval

@@ -161,14 +161,15 @@ int main(int argc, char** argv) {
       "thresholds between them, and draws both."};
   egomod::fit::Options options;
   egomod::fit::add_options(app, options);
-  CLI11_PARSE(app, argc, argv);
-  if (options.labels.empty() == options.record.empty() ||
-      options.record.empty() != options.truth.empty()) {
-    std::fprintf(stderr, "egomod-fit: give either LABELS.csv or --record LOG --truth DIR\n");
-    return 2;
-  }
   try {
+    app.parse(argc, argv);
+    if (options.labels.empty() == options.record.empty() ||
+        options.record.empty() != options.truth.empty()) {
+      throw CLI::ValidationError("give either LABELS.csv or --record LOG --truth DIR");
+    }
     egomod::fit::run(options);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
   } catch (const std::exception& error) {
     std::fflush(stdout);
     std::fprintf(stderr, "egomod-fit: %s\n", error.what());

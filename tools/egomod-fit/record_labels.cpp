@@ -112,6 +112,7 @@ RecordLabels label_record(const std::string& log, const std::string& truth_direc
                  choice, result.labels);
   }
   result.damage = reader.damage();
+  if (!has_tracks && !result.damage.empty()) throw InputError(result.damage);
   if (!calibration) throw InputError(log + ": has no EGOMOD_CALIBRATION; is it a record?");
   if (!has_tracks) {
     throw InputError(log + ": has no EGOMOD_TRACKS; record with publish.tracks = true");

@@ -6,7 +6,7 @@
 
 namespace egomod::log {
 
-// Each throws an exception that names what is wrong; a log that is cut off, after what is whole has
+// Each throws an exception that names what is wrong; a log that is damaged, after what is whole has
 // been used.
 
 // Writes the images of a sequence, as they are, and its calibration into a log; JPEG if a quality

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bot_core/images_t.hpp>
+#include <chrono>
 #include <egomod/calibration_t.hpp>
 #include <egomod/pose_t.hpp>
 #include <filesystem>
 #include <map>
 #include <stop_token>
 
+#include "capture/folder_contents.hpp"
 #include "commands.hpp"
 #include "egomod/app/progress.hpp"
 #include "egomod/capture/frame_source.hpp"
@@ -90,6 +93,32 @@ class Drawing {
   std::uint64_t drawn_ = 0;
 };
 
+// The pairs of the record must be among those of the folder, which may hold more.
+void require_same_sequence(const std::string& log, const std::string& images,
+                           const Estimates& estimates) {
+  const FolderContents contents = read_folder(images, "");
+  const auto refuse = [&](const std::string& why) {
+    throw LogError(fmt::format("{}: is not a record of {}: {}; name its own sequence with --images",
+                               log, images, why));
+  };
+  const StereoCamera& recorded = estimates.calibrations.begin()->second.camera;
+  const StereoCamera& camera = contents.calibration.camera;
+  if (recorded.width_px != camera.width_px || recorded.height_px != camera.height_px) {
+    refuse(fmt::format("it is of images of {}x{} pixels, not {}x{}", recorded.width_px,
+                       recorded.height_px, camera.width_px, camera.height_px));
+  }
+  const auto& exposures = contents.left.exposures;
+  if (estimates.sequences.size() > exposures.size()) {
+    refuse(fmt::format("it has {} pairs, the folder {}", estimates.sequences.size(),
+                       exposures.size()));
+  }
+  for (const auto& [utime_us, sequence] : estimates.sequences) {
+    if (std::ranges::binary_search(exposures, std::chrono::microseconds(utime_us))) continue;
+    refuse(fmt::format("no left image has the time of its pair {}, {:.6f} s", sequence,
+                       static_cast<double>(utime_us) * 1e-6));
+  }
+}
+
 void draw_from_folder(const std::string& images, Drawing& drawing) {
   const auto source = open_source("folder:" + images, {}, "", "");
   StereoPair pair;
@@ -106,6 +135,15 @@ const bot_core::image_t* left_of(const bot_core::images_t& images) {
     if (images.image_types[i] == bot_core::images_t::LEFT) return &images.images[i];
   }
   return nullptr;
+}
+
+void decode(PictureDecoder& decoder, const bot_core::image_t& message, const std::string& log,
+            Image& image) {
+  try {
+    decoder.decode(message, image);
+  } catch (const std::runtime_error& error) {
+    throw LogError(log + ": " + error.what());
+  }
 }
 
 void draw_from_log(const std::string& log, const Estimates& estimates, Drawing& drawing) {
@@ -125,7 +163,7 @@ void draw_from_log(const std::string& log, const Estimates& estimates, Drawing& 
     const auto pose = estimates.sequences.find(images.utime);
     sequence = pose != estimates.sequences.end() ? pose->second : sequence + 1;
     if (const bot_core::image_t* left = left_of(images)) {
-      decoder.decode(*left, image);
+      decode(decoder, *left, log, image);
       drawing.add(image.view(), images.utime, sequence);
     }
   }
@@ -140,6 +178,7 @@ void draw_log(const std::string& log, const std::string& folder, const std::stri
     reader.require_whole();
     throw LogError(log + ": holds no EGOMOD_CALIBRATION");
   }
+  if (!images.empty()) require_same_sequence(log, images, estimates);
   make_folder(folder);
   Drawing drawing(estimates, folder);
   if (images.empty()) {
@@ -149,6 +188,7 @@ void draw_log(const std::string& log, const std::string& folder, const std::stri
   }
   drawing.finish();
   if (drawing.drawn() == 0) {
+    reader.require_whole();
     throw LogError(log + ": holds no EGOMOD_IMAGES; name the folder of the sequence with --images");
   }
   reader.require_whole();

@@ -3,63 +3,55 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <filesystem>
-#include <utility>
+#include "capture/log_file.hpp"
+#include "egomod/capture/frame_source.hpp"
 
 namespace egomod::log {
 namespace {
 
-// Sync word, event number, time, two lengths.
-constexpr std::int64_t kEventHeaderBytes = 28;
 constexpr std::int64_t kFingerprintBytes = 8;
 
-std::int64_t bytes_of(const lcm::LogEvent& event) {
-  return kEventHeaderBytes + static_cast<std::int64_t>(event.channel.size()) + event.datalen;
+std::unique_ptr<LogFile> open(const std::string& path) {
+  try {
+    return std::make_unique<LogFile>(path);
+  } catch (const SourceError& error) {
+    throw LogError(error.what());
+  }
 }
 
 }  // namespace
 
-LogReader::LogReader(std::string path) : path_(std::move(path)), file_(path_, "r") {
-  if (!file_.good()) {
-    throw LogError(fmt::format("{}: cannot be opened: {}", path_, std::strerror(errno)));
-  }
-  std::error_code error;
-  const auto size = std::filesystem::file_size(path_, error);
-  if (error) throw LogError(fmt::format("{}: cannot be read: {}", path_, error.message()));
-  size_bytes_ = static_cast<std::int64_t>(size);
-}
+LogReader::LogReader(const std::string& path) : file_(open(path)) {}
+
+LogReader::~LogReader() = default;
 
 const lcm::LogEvent* LogReader::next() {
-  const lcm::LogEvent* const event = file_.readNextEvent();
-  if (event == nullptr) {
-    if (offset_bytes_ == 0 && size_bytes_ != 0) {
-      damage_ = path_ + ": is not an LCM log, or cut off within its first event";
-    } else if (offset_bytes_ != size_bytes_) {
-      damage_ = fmt::format("{}: the log is cut off: {} of {} bytes hold whole events", path_,
-                            offset_bytes_, size_bytes_);
-    }
-    return nullptr;
+  const auto found = file_->next_event();
+  if (!found) return nullptr;
+  data_.resize(found->data_bytes);
+  if (!file_->read(found->data_offset, data_)) {
+    throw LogError(fmt::format("{}: event {} at byte {} cannot be read", file_->path(),
+                               found->number, found->data_offset));
   }
-  const std::int64_t expected = offset_bytes_ + bytes_of(*event);
-  offset_bytes_ = std::ftell(file_.getFilePtr());
-  if (offset_bytes_ != expected && damage_.empty()) {
-    damage_ = fmt::format("{}: bytes that are no event before event {}", path_, event->eventnum);
-  }
-  return event;
+  event_.eventnum = found->number;
+  event_.timestamp = found->utime_us;
+  event_.channel = found->channel;
+  event_.datalen = static_cast<std::int32_t>(data_.size());
+  event_.data = data_.data();
+  return &event_;
 }
 
+const std::string& LogReader::damage() const { return file_->damage(); }
+
 void LogReader::require_whole() const {
-  if (!damage_.empty()) throw LogError(damage_ + "; what is whole has been used");
+  if (!damage().empty()) throw LogError(damage() + "; what is whole has been used");
 }
 
 void LogReader::fail_decode(const lcm::LogEvent& event, const std::string& type) const {
   throw LogError(fmt::format(
       "{}: event {} on {}: not an egomod {} of this version (fingerprint {:#018x}, {} bytes)",
-      path_, event.eventnum, event.channel, type, static_cast<std::uint64_t>(fingerprint(event)),
-      event.datalen));
+      file_->path(), event.eventnum, event.channel, type,
+      static_cast<std::uint64_t>(fingerprint(event)), event.datalen));
 }
 
 std::int64_t fingerprint(const lcm::LogEvent& event) {

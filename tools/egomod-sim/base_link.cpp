@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <lcm/lcm-cpp.hpp>
 
+#include "egomod/bus/bus_address.hpp"
+
 namespace egomod::sim {
 namespace {
 
@@ -67,9 +69,9 @@ BaseLink::BaseLink(const std::string& lcm_url, DrivenBase& base)
   if (bus_->lcm.good()) return;
   std::fprintf(stderr,
                "egomod-sim: the LCM bus (URL: %s) cannot be opened, so that nobody can drive the "
-               "rig; UDP multicast needs a route: ip link set lo multicast on && ip route add "
-               "224.0.0.0/4 dev lo\n",
-               lcm_url.empty() ? "the default" : lcm_url.c_str());
+               "rig; %s\n",
+               lcm_url.empty() ? "the default" : lcm_url.c_str(),
+               BusAddress(lcm_url).remedy().c_str());
 }
 
 BaseLink::~BaseLink() = default;

@@ -64,7 +64,7 @@ void run(const Arguments& arguments) {
     write_gallery(world_folder(), arguments.gallery);
     return;
   }
-  if (arguments.world.empty()) throw WorldError("which world? --list shows them");
+  if (arguments.world.empty()) throw CLI::ValidationError("which world? --list shows them");
   if (arguments.serve.socket >= 0) {
     Simulator simulator(chosen_world(arguments));
     return serve(simulator, arguments.serve);
@@ -75,7 +75,7 @@ void run(const Arguments& arguments) {
     return;
   }
   if (arguments.folder.empty() && arguments.log.empty()) {
-    throw WorldError("nothing to write: give --out DIR, --log FILE or both");
+    throw CLI::ValidationError("nothing to write: give --out DIR, --log FILE or both");
   }
   record(arguments);
 }
@@ -115,7 +115,7 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
     egomod::sim::run(arguments);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error);
+    return app.exit(error) == 0 ? 0 : 2;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "egomod-sim: %s\n", error.what());
     return 1;

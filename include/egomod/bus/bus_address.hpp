@@ -35,6 +35,8 @@ class BusAddress {
   BusAddress(const char* url) : BusAddress(std::string(url)) {}
 
   [[nodiscard]] const std::string& url() const { return url_; }
+  // What to do about a bus that cannot be opened, to end a message.
+  [[nodiscard]] std::string remedy() const;
   // Null if the bus cannot be opened, or could not a short while ago.
   [[nodiscard]] std::unique_ptr<lcm::LCM> open() const;
   // The same bus by a URL with further parameters.

@@ -58,9 +58,6 @@ class CornerDetector {
   static constexpr int kManyLost = 2;
   static constexpr int kMaxDistance_px = 8;
 
-  // Standard deviation of the grey values that the last call took for noise.
-  [[nodiscard]] float noise_sigma() const { return noise_sigma_; }
-
  private:
   struct Bucket {
     int u0 = 0, v0 = 0, u1 = 0, v1 = 0;
@@ -87,7 +84,7 @@ class CornerDetector {
   [[nodiscard]] std::ptrdiff_t bucket_stride() const { return 2 * config_.bucket_px + 64; }
 
   CornerConfig config_;
-  float noise_sigma_ = 0.0F;
+  float noise_sigma_ = 0.0F;  // standard deviation of the grey values that is taken for noise
   unsigned calls_ = 0;
   int width_px_ = 0;
   int height_px_ = 0;

@@ -24,7 +24,4 @@ struct Descriptor {
 // where they leave the image or are flat. Needs a pyramid of two levels.
 [[nodiscard]] bool describe(const Pyramid& pyramid, ImagePoint position, Descriptor& descriptor);
 
-// Sum of absolute differences of the best of the three combinations.
-[[nodiscard]] int descriptor_distance(const Descriptor& a, const Descriptor& b);
-
 }  // namespace egomod

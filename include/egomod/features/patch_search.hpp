@@ -25,9 +25,6 @@ struct PatchSearchResult {
 
 // Top left pixel of the patch whose centre is nearest to `centre`.
 [[nodiscard]] PixelPosition patch_top_left(ImagePoint centre);
-[[nodiscard]] constexpr ImagePoint patch_centre(PixelPosition top_left) {
-  return {static_cast<float>(top_left.u_px) + 3.5F, static_cast<float>(top_left.v_px) + 3.5F};
-}
 
 // Copies the patch at `top_left`; false where it leaves the image.
 [[nodiscard]] bool copy_patch(const ImageView& image, PixelPosition top_left, SearchPatch& patch);

@@ -43,9 +43,4 @@ class Pyramid {
   return {(full.u_px + 0.5F) * scale - 0.5F, (full.v_px + 0.5F) * scale - 0.5F};
 }
 
-[[nodiscard]] constexpr ImagePoint to_full(ImagePoint at_level, int level) {
-  const float scale = static_cast<float>(1 << level);
-  return {(at_level.u_px + 0.5F) * scale - 0.5F, (at_level.v_px + 0.5F) * scale - 0.5F};
-}
-
 }  // namespace egomod
