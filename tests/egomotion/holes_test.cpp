@@ -9,8 +9,8 @@ namespace {
 
 using test_support::RenderedDrive;
 
-constexpr double kInterval_s = 1.0 / 30.0;
-constexpr double kMaxError_m = 0.005;            // of a motion over up to a third of a second
+constexpr double kPairInterval_s = 1.0 / 30.0;
+constexpr double kMaxBridged_m = 0.005;          // of a motion over up to a third of a second
 constexpr double kMaxErrorOverASecond_m = 0.02;  // 0.5 m and a turn
 constexpr double kReset_m2 = 0.5;
 
@@ -43,14 +43,14 @@ class HolesTest : public ::testing::Test {
 
 TEST_F(HolesTest, one_two_five_and_ten_missing_pairs_are_bridged_by_tracks) {
   drive_.see(t_s_);
-  see_some(10, kInterval_s);
+  see_some(10, kPairInterval_s);
   for (const int missing : {1, 2, 5, 10}) {
-    t_s_ += (missing + 1) * kInterval_s;
+    t_s_ += (missing + 1) * kPairInterval_s;
     drive_.see(t_s_);
     EXPECT_EQ(drive_.motion().status, EstimateStatus::kValid) << missing;
     EXPECT_EQ(drive_.motion().reason, EstimateReason::kHole) << missing;
-    EXPECT_LT(drive_.step_error_m(), kMaxError_m) << missing;
-    see_some(5, kInterval_s);
+    EXPECT_LT(drive_.step_error_m(), kMaxBridged_m) << missing;
+    see_some(5, kPairInterval_s);
     EXPECT_EQ(drive_.motion().reason, EstimateReason::kNone) << missing;
   }
   EXPECT_EQ(drive_.motion().reset_count, 0U);
@@ -59,17 +59,17 @@ TEST_F(HolesTest, one_two_five_and_ten_missing_pairs_are_bridged_by_tracks) {
 // As live, where pairs that there was no time for leave a gap in the numbers.
 TEST_F(HolesTest, dropped_pairs_are_bridged_by_tracks) {
   drive_.see(t_s_);
-  see_some(5, kInterval_s);
+  see_some(5, kPairInterval_s);
   drive_.skip_numbers(5);
-  t_s_ += 6 * kInterval_s;
+  t_s_ += 6 * kPairInterval_s;
   drive_.see(t_s_);
   EXPECT_EQ(drive_.motion().reason, EstimateReason::kHole);
-  EXPECT_LT(drive_.step_error_m(), kMaxError_m);
+  EXPECT_LT(drive_.step_error_m(), kMaxBridged_m);
 }
 
 TEST_F(HolesTest, a_rate_that_falls_from_30_to_10_to_1_hz_is_followed) {
   drive_.see(t_s_);
-  see_some(10, kInterval_s);
+  see_some(10, kPairInterval_s);
   for (const double interval_s : {0.1, 1.0}) {
     for (int k = 0; k < 4; ++k) {
       t_s_ += interval_s;
@@ -81,12 +81,12 @@ TEST_F(HolesTest, a_rate_that_falls_from_30_to_10_to_1_hz_is_followed) {
     }
     EXPECT_EQ(drive_.motion().status, EstimateStatus::kValid) << interval_s;
   }
-  see_some(5, kInterval_s);
+  see_some(5, kPairInterval_s);
 }
 
 TEST_F(HolesTest, what_no_track_bridges_starts_anew_where_it_was) {
   drive_.see(t_s_);
-  see_some(5, kInterval_s);
+  see_some(5, kPairInterval_s);
   // Behind the hole the rig looks elsewhere: both images are turned upside down.
   const auto upside_down = [](StereoPair& pair) {
     for (Image* image : {&pair.left, &pair.right})
@@ -101,7 +101,7 @@ TEST_F(HolesTest, what_no_track_bridges_starts_anew_where_it_was) {
     EXPECT_TRUE(drive_.motion().status != EstimateStatus::kValid || reseeded) << k;
     EXPECT_LT(drive_.step_m(), reseeded ? 1.0 : 1e-9) << k;
     reseeded = reseeded || drive_.motion().reason == EstimateReason::kReseeded;
-    t_s_ += kInterval_s;
+    t_s_ += kPairInterval_s;
   }
   EXPECT_TRUE(reseeded);
   EXPECT_EQ(drive_.motion().reset_count, 1U);

@@ -9,7 +9,16 @@
 namespace egomod::log {
 namespace {
 
-constexpr std::int64_t kFingerprintBytes = 8;
+constexpr int kFingerprintBytes = 8;
+constexpr int kListCountAt = 24;
+constexpr int kListCountBytes = 4;
+
+std::uint64_t big_endian(const lcm::LogEvent& event, int at, int count) {
+  const auto* const bytes = static_cast<const std::uint8_t*>(event.data);
+  std::uint64_t value = 0;
+  for (int i = at; i < at + count; ++i) value = value << 8U | bytes[i];
+  return value;
+}
 
 std::unique_ptr<LogFile> open(const std::string& path) {
   try {
@@ -54,12 +63,15 @@ void LogReader::fail_decode(const lcm::LogEvent& event, const std::string& type)
       static_cast<std::uint64_t>(fingerprint(event)), event.datalen));
 }
 
+bool LogReader::list_fits(const lcm::LogEvent& event) {
+  if (event.datalen < kListCountAt + kListCountBytes) return false;
+  const auto count = static_cast<std::int32_t>(big_endian(event, kListCountAt, kListCountBytes));
+  return count >= 0 && count <= event.datalen;
+}
+
 std::int64_t fingerprint(const lcm::LogEvent& event) {
   if (event.datalen < kFingerprintBytes) return 0;
-  const auto* const bytes = static_cast<const std::uint8_t*>(event.data);
-  std::uint64_t value = 0;
-  for (int i = 0; i < kFingerprintBytes; ++i) value = value << 8U | bytes[i];
-  return static_cast<std::int64_t>(value);
+  return static_cast<std::int64_t>(big_endian(event, 0, kFingerprintBytes));
 }
 
 }  // namespace egomod::log

@@ -40,6 +40,11 @@ class LogReader {
   // Throws LogError when the event is not a `Message`.
   template <typename Message>
   void decode(const lcm::LogEvent& event, Message& message) const {
+    // A list's decoder takes memory for as many as the count says, before it looks for them.
+    if constexpr (
+        requires { message.n_objects; } || requires { message.n_tracks; }) {
+      if (!list_fits(event)) fail_decode(event, Message::getTypeName());
+    }
     bool is_message = false;
     try {
       is_message = message.decode(event.data, 0, event.datalen) >= 0;
@@ -50,6 +55,8 @@ class LogReader {
   }
 
  private:
+  // Lists begin with fingerprint, utime and sequence; then comes the count.
+  [[nodiscard]] static bool list_fits(const lcm::LogEvent& event);
   [[noreturn]] void fail_decode(const lcm::LogEvent& event, const std::string& type) const;
 
   std::unique_ptr<LogFile> file_;
