@@ -11,23 +11,23 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double kExact = 1e-12;
+constexpr double kNothing = 1e-12;
 
 TEST(Manoeuvre, AddsNothingToASteadyVelocity) {
   Manoeuvre manoeuvre;
   for (int k = 0; k < 30; ++k) manoeuvre.follow({0.4, 0.0, -0.1}, k * 33ms);
-  EXPECT_LT(manoeuvre.lead_mps().norm(), kExact);
-  EXPECT_LT(manoeuvre.covariance_m2ps2().norm(), kExact);
+  EXPECT_LT(manoeuvre.lead_mps().norm(), kNothing);
+  EXPECT_LT(manoeuvre.covariance_m2ps2().norm(), kNothing);
 }
 
 TEST(Manoeuvre, LeadsAVelocityThatGrowsAndOwnsUpToItsLag) {
   Manoeuvre manoeuvre;
   for (int k = 0; k < 60; ++k) manoeuvre.follow({0.0, 0.0, 0.03 * k}, k * 33ms);
   EXPECT_GT(manoeuvre.lead_mps().z(), 0.0);
-  EXPECT_LT(manoeuvre.lead_mps().head<2>().norm(), kExact);
+  EXPECT_LT(manoeuvre.lead_mps().head<2>().norm(), kNothing);
   // A ramp of 0.91 m/s^2 is some 0.13 m/s behind after 0.15 s.
   EXPECT_NEAR(std::sqrt(manoeuvre.covariance_m2ps2()(2, 2)), 0.13 * std::sqrt(2.0), 0.03);
-  EXPECT_LT(manoeuvre.covariance_m2ps2()(0, 0), kExact);
+  EXPECT_LT(manoeuvre.covariance_m2ps2()(0, 0), kNothing);
 }
 
 TEST(Manoeuvre, CalmsDownAfterwards) {
@@ -46,8 +46,8 @@ TEST(Manoeuvre, TurnsWithTheCamera) {
   Eigen::Matrix3d quarter;
   quarter << 0, 0, 1, 0, 1, 0, -1, 0, 0;  // x to -z
   manoeuvre.rotate(quarter);
-  EXPECT_NEAR(manoeuvre.lead_mps().z(), -lead_mps, kExact);
-  EXPECT_NEAR(manoeuvre.covariance_m2ps2()(0, 0), 0.0, kExact);
+  EXPECT_NEAR(manoeuvre.lead_mps().z(), -lead_mps, kNothing);
+  EXPECT_NEAR(manoeuvre.covariance_m2ps2()(0, 0), 0.0, kNothing);
 }
 
 }  // namespace
