@@ -35,8 +35,8 @@ std::string fault_of_pinhole(double fx_px, double fy_px, double cx_px, double cy
 std::string fault_of(const StereoCamera& camera) {
   if (!is_image_size(camera.width_px, camera.height_px))
     return "the rectified image size is out of range";
-  const std::string fault = fault_of_pinhole(camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px,
-                                             camera.width_px, camera.height_px);
+  std::string fault = fault_of_pinhole(camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px,
+                                       camera.width_px, camera.height_px);
   if (!fault.empty()) return fault;
   if (!is_baseline(camera.baseline_m)) return std::string("the baseline ") + kBaselineRule;
   return {};

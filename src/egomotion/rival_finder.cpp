@@ -94,9 +94,9 @@ Solution RivalFinder::among_unexplained(const TrackSet& tracks, const Eigen::Iso
 // Where the map knows little yet an estimate explains tracks of both motions: all are asked then.
 Solution RivalFinder::confirmed(const TrackSet& tracks, const Solution& estimate,
                                 const WheelsMotion& wheels) {
-  const Solution first = among_unexplained(tracks, wheels.T_previous_current);
+  Solution first = among_unexplained(tracks, wheels.T_previous_current);
   if (first.failure == EstimateReason::kNone && wheels.surprise(first) < kSuspicion) return first;
-  const Solution near = solver_.solve_near(tracks.camera, all_, wheels.T_previous_current);
+  Solution near = solver_.solve_near(tracks.camera, all_, wheels.T_previous_current);
   if (near.failure == EstimateReason::kNone && wheels.surprise(near) < kSuspicion) return near;
   return among_unexplained(tracks, estimate.T_previous_current);
 }
