@@ -36,25 +36,30 @@ bool RivalFinder::find(const TrackSet& tracks, const Solution& estimate,
   found_ = search(tracks, estimate, roles, map, noise_scale, prior, rival);
   if (!found_ && was_found && lingers(tracks, map)) {
     rival = {.solution = last_, .preferred = false};
+    rival.solution.T_previous_current =
+        motion_of(velocity_of(last_.T_previous_current, last_dt_s_), prior.dt_s);
     found_ = true;
   }
-  if (found_) last_ = rival.solution;
+  if (found_) {
+    last_ = rival.solution;
+    last_dt_s_ = prior.dt_s;
+  }
   return found_;
 }
 
 // A motion that one pair does not tell from the estimate may be there all the same: as long as the
-// map has had to give up the points of so much of the image, the last one found stands.
+// map has had to give up the points of so much of the image, the last one found goes on.
 bool RivalFinder::lingers(const TrackSet& tracks, std::span<const MapPoint> map) {
   clear_cells();
   for (std::size_t k = 0; k < map.size(); ++k) {
     if (!tracks.tracks[k].has_current || map[k].updates == 0) continue;
     Cell& cell = cell_of(tracks.camera, uvd(tracks.tracks[k].current));
-    ++(map[k].disowned ? cell.rival : cell.estimate).tracks;
+    ++(is_given_up(map[k]) ? cell.rival : cell.estimate).tracks;
   }
-  Support owned;
-  Support disowned;
-  count_support(owned, disowned);
-  return disowned.cells >= config_.min_support_ratio * owned.cells;
+  Support kept;
+  Support given_up;
+  count_support(kept, given_up);
+  return given_up.cells >= config_.min_support_ratio * kept.cells;
 }
 
 RivalFinder::Least RivalFinder::least() const {

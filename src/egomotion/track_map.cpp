@@ -15,7 +15,7 @@ namespace {
 
 // It moved, or was lost: it must earn its weight anew, or movers leak in each time they start over.
 constexpr double kWeightAfterReset = 0.02;
-constexpr double kWeightToOwn = 0.5;
+constexpr double kGivenUpBelow = 0.5;  // static weight
 constexpr double kUpdatesToKnow = 15;
 
 // What one pair sees of a point: innovation, its Jacobian in the point, its covariance.
@@ -87,7 +87,6 @@ void fuse(const TrackMapConfig& config, const Innovation& i, MapPoint& point) {
   const bool fits = distance2 < kChi2Of3At99Percent;
   const double rate = fits ? config.trust_rate : config.distrust_rate;
   point.static_weight += rate * ((fits ? 1.0 : 0.0) - point.static_weight);
-  point.disowned = point.disowned && point.static_weight < kWeightToOwn;
   ++point.updates;
 }
 
@@ -96,6 +95,8 @@ void fuse(const TrackMapConfig& config, const Innovation& i, MapPoint& point) {
 double known_static(const MapPoint& point) {
   return point.static_weight * std::min(1.0, (point.updates - point.doubted) / kUpdatesToKnow);
 }
+
+bool is_given_up(const MapPoint& point) { return point.static_weight < kGivenUpBelow; }
 
 void TrackMap::align(std::span<const Track> tracks, double dt_s) {
   const double fade = std::pow(config_.fade_per_s, dt_s);
@@ -125,7 +126,6 @@ void TrackMap::update(const StereoCamera& camera, std::span<const Track> tracks,
       point.updates = 0;
       point.doubted = 0;
       point.static_weight = kWeightAfterReset;
-      point.disowned = true;
     }
     if (point.updates == 0) {
       locate(view, z, R, point.P_first_m, point.covariance_m2);

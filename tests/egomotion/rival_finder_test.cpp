@@ -20,7 +20,7 @@ class RivalFinderTest : public testing::Test {
       roles_.push_back(moves ? TrackRole::kOutlier : TrackRole::kInlier);
       map_.push_back({.track_id = tracks_.tracks[k].id, .updates = 20});
       movers_given_up_.push_back(map_.back());
-      movers_given_up_.back().disowned = moves;
+      if (moves) movers_given_up_.back().static_weight = 0.1;
     }
     all_agree_.assign(roles_.size(), TrackRole::kInlier);
   }

@@ -109,8 +109,9 @@ class RivalFinder {
   [[nodiscard]] double occupied_cells() const;
 
   RivalConfig config_;
-  bool found_ = false;         // in the last pair
-  Solution last_;              // then
+  bool found_ = false;  // in the last pair
+  Solution last_;       // of the rival then
+  double last_dt_s_ = 0.0;
   bool is_suspected_ = false;  // the estimate, by the wheels
   static constexpr int kColumns = 16;
   static constexpr int kRows = 12;

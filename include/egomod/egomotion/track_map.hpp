@@ -30,11 +30,12 @@ struct MapPoint {
   Eigen::Vector3d P_first_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();
   double static_weight = 1.0;
-  bool disowned = false;  // it moved against the map, and has not earned its weight since
 };
 
 // How surely a point is known to stand still, 0 to 1.
 [[nodiscard]] double known_static(const MapPoint& point);
+// It moved against the map, and has not earned its weight since: a new point begins with all of it.
+[[nodiscard]] bool is_given_up(const MapPoint& point);
 
 // Where each living track stands in the first left camera's frame, filtered over the track's whole
 // life under the belief that it stands still (after H. Badino, A. Yamamoto, T. Kanade, ICCV-W
