@@ -7,6 +7,23 @@
 #include "egomod/core/geometry.hpp"
 
 namespace egomod {
+namespace {
+
+struct Extremes {
+  Eigen::Vector3d low_m;
+  Eigen::Vector3d high_m;
+};
+
+Extremes extremes_of(std::span<const PointSample> points, Members members) {
+  Extremes e{points[members.front()].position_m, points[members.front()].position_m};
+  for (const auto i : members) {
+    e.low_m = e.low_m.cwiseMin(points[i].position_m);
+    e.high_m = e.high_m.cwiseMax(points[i].position_m);
+  }
+  return e;
+}
+
+}  // namespace
 
 PixelRect rectangle_of(std::span<const PointSample> points, Members members) {
   Eigen::Vector2d low = points[members.front()].pixel_px;
@@ -30,24 +47,6 @@ Eigen::Vector3d mean_velocity(std::span<const PointSample> points, Members membe
   for (const auto i : members) sum += points[i].velocity_mps;
   return sum / static_cast<double>(members.size());
 }
-
-namespace {
-
-struct Extremes {
-  Eigen::Vector3d low_m;
-  Eigen::Vector3d high_m;
-};
-
-Extremes extremes_of(std::span<const PointSample> points, Members members) {
-  Extremes e{points[members.front()].position_m, points[members.front()].position_m};
-  for (const auto i : members) {
-    e.low_m = e.low_m.cwiseMin(points[i].position_m);
-    e.high_m = e.high_m.cwiseMax(points[i].position_m);
-  }
-  return e;
-}
-
-}  // namespace
 
 Eigen::Vector3d centre_of(std::span<const PointSample> points, Members members) {
   const Extremes e = extremes_of(points, members);

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kMemory_s = 0.15;  // about what a point's filter lags behind
 constexpr double kUnrestMemory_s = 0.5;
-constexpr double kLeadShare = 0.3;  // of the change: all of it would double the noise, too
+constexpr double kLeadShare = 0.3;  // of the change: more of it adds more noise than it takes lag
 
 }  // namespace
 

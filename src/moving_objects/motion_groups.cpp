@@ -252,13 +252,11 @@ void MotionGroups::find_bodies(const StereoCamera& camera, std::span<const Point
       [&](auto i) { return point(i).pixel_px.x(); },
       [&](auto i, auto j) { return in_one_body(camera, point(i), point(j)); });
   for (std::size_t b = 0; b < grouper_.size(); ++b) {
-    MotionBody body{.first = body_members_.size(), .count = grouper_[b].size(), .rectangle = {}};
+    bodies_.push_back({.first = body_members_.size(), .count = grouper_[b].size()});
     for (const auto i : grouper_[b]) {
       body_of_[moving_[i]] = b;
       body_members_.push_back(moving_[i]);
     }
-    body.rectangle = rectangle_of(points, members(body));
-    bodies_.push_back(body);
   }
 }
 

@@ -20,7 +20,6 @@ namespace egomod {
 struct MotionBody {
   std::size_t first = 0;  // members: MotionGroups::members(*this)
   std::size_t count = 0;
-  PixelRect rectangle;
 };
 
 // Moving points near each other with one velocity.

@@ -361,16 +361,22 @@ void ObjectTable::measure(const StereoCamera& camera, std::span<const PointSampl
       object.velocity_mps, object.velocity_covariance_m2ps2, config_.velocity_prior_mps));
 }
 
-// Of the trunk, if there are limbs.
-void ObjectTable::measure_motion(std::span<const PointSample> points, Tracked& tracked) {
-  MovingObject& object = tracked.object;
+// The members that have the object's velocity: all of them, but for limbs that swing.
+Members ObjectTable::trunk_of(std::span<const PointSample> points, const Tracked& tracked) {
+  if (!tracked.swings) return members_;
   trunk_.clear();
   for (const auto i : members_) {
-    if (velocity_chi2(points[i], object.velocity_mps) < kLeaveChi2) trunk_.push_back(i);
+    if (velocity_chi2(points[i], tracked.object.velocity_mps) < kLeaveChi2) trunk_.push_back(i);
   }
-  if (trunk_.empty()) return;
+  return trunk_;
+}
+
+void ObjectTable::measure_motion(std::span<const PointSample> points, Tracked& tracked) {
+  MovingObject& object = tracked.object;
+  const Members trunk = trunk_of(points, tracked);
+  if (trunk.empty()) return;
   const BodyMotion body =
-      fit_body_motion(points, trunk_, object.position_m, config_.error_correlation);
+      fit_body_motion(points, trunk, object.position_m, config_.error_correlation);
   tracked.manoeuvre.follow(body.velocity_mps, now_);
   object.velocity_mps = body.velocity_mps + tracked.manoeuvre.lead_mps();
   object.angular_velocity_radps = body.angular_velocity_radps;

@@ -87,6 +87,7 @@ class ObjectTable {
   [[nodiscard]] bool belongs(const PointSample& point, const Tracked& tracked) const;
   void collect(std::span<const PointSample> points, const Tracked& tracked);
   void measure(const StereoCamera& camera, std::span<const PointSample> points, Tracked& tracked);
+  [[nodiscard]] Members trunk_of(std::span<const PointSample> points, const Tracked& tracked);
   void measure_motion(std::span<const PointSample> points, Tracked& tracked);
   void absorb_parts(const StereoCamera& camera, std::span<const PointSample> points);
   [[nodiscard]] bool is_proper(std::span<const PointSample> points, const Tracked& tracked) const;
@@ -102,7 +103,7 @@ class ObjectTable {
   std::vector<std::int64_t> previous_owners_;
   std::vector<std::uint64_t> previous_track_ids_;
   std::vector<Grouper::Index> members_;
-  std::vector<Grouper::Index> trunk_;  // those of them that have the object's velocity
+  std::vector<Grouper::Index> trunk_;
   std::int64_t last_id_ = 0;
 };
 
