@@ -7,18 +7,12 @@
 #include <random>
 
 #include "egomod/core/geometry.hpp"
+#include "test_camera.hpp"
 #include "test_images.hpp"
 
 namespace egomod {
 namespace {
 
-const StereoCamera kCamera{.fx_px = 500.0,
-                           .fy_px = 500.0,
-                           .cx_px = 320.0,
-                           .cy_px = 240.0,
-                           .baseline_m = 0.3,
-                           .width_px = 640,
-                           .height_px = 480};
 constexpr int kPoints = 200;
 constexpr float kMaxError_px = 0.2F;
 

@@ -9,19 +9,13 @@
 #include <vector>
 
 #include "egomod/core/geometry.hpp"
+#include "test_camera.hpp"
 
 namespace egomod {
 namespace {
 
 using std::chrono::milliseconds;
 
-const StereoCamera kCamera{.fx_px = 500.0,
-                           .fy_px = 500.0,
-                           .cx_px = 320.0,
-                           .cy_px = 240.0,
-                           .baseline_m = 0.3,
-                           .width_px = 640,
-                           .height_px = 480};
 constexpr milliseconds kInterval{33};
 constexpr double kInterval_s = 0.033;
 constexpr float kRounding_px = 2e-3F;
