@@ -185,7 +185,6 @@ TEST_F(FitLabels, ARecordOfWhichNoTracksAreWholeTellsTheDamage) {
 }
 
 TEST_F(FitLabels, FigureIsDrawnIntoAFolderWhateverItsName) {
-  if (std::system("command -v gnuplot >/dev/null") != 0) GTEST_SKIP() << "there is no gnuplot";
   std::filesystem::create_directories(folder / "it's \"here\"");
   const Labels labels{.static_mps = {0.1, 0.2, 0.3}, .moving_mps = {0.5, 1.0, 1.5}};
   const RayleighFit fit = fit_classifier(labels.static_mps, labels.moving_mps, 0.5);

@@ -45,13 +45,7 @@ class Program : public ::testing::Test {
   eval::TemporaryFolder folder_;
 };
 
-void skip_without_gnuplot() {
-  if (std::system("command -v gnuplot >/dev/null") != 0) GTEST_SKIP() << "there is no gnuplot";
-}
-
 TEST_F(Program, DrawsOnePageAndASummaryWithItsPictures) {
-  skip_without_gnuplot();
-  if (IsSkipped()) return;
   write_cases();
   const Outcome outcome = run(thesis(
       {"--output", in("report.html"), "--summary", in("docs.md"), "--pictures", in("pictures")}));
@@ -78,8 +72,6 @@ TEST_F(Program, SaysWhichRecordIsMissingAndHowItIsMade) {
 }
 
 TEST_F(Program, SaysThatTheReportCannotBeWritten) {
-  skip_without_gnuplot();
-  if (IsSkipped()) return;
   write_cases();
   const Outcome outcome = run(thesis({"--output", in("nowhere/report.html")}));
   EXPECT_EQ(outcome.exit_code, kFailure);
@@ -113,50 +105,6 @@ TEST_F(Program, ScriptsSayWhatCannotBeWrittenOrIsNoProgram) {
     EXPECT_THAT(empty.output, HasSubstr("egomodd: is no program"));
   }
 }
-
-#ifdef EGOMOD_SIM
-bool can_render() {
-  return std::system((std::string(EGOMOD_SIM) + " crossing --speed --duration 0.05 >/dev/null 2>&1")
-                         .c_str()) == 0;
-}
-
-constexpr const char* kWorld = R"(duration_s = 3.0
-seed = 3
-[camera]
-width_px = 160
-height_px = 120
-baseline_m = 0.2
-rate_hz = 5.0
-[shell]
-kind = "room"
-width_m = 5.0
-length_m = 9.0
-[rig]
-motion = { kind = "line", position_m = [0.0, 0.0], speed_mps = 0.3 }
-[[object]]
-kind = "pioneer"
-motion = { kind = "line", position_m = [-1.0, 3.0], heading_deg = 90.0, speed_mps = 0.5 }
-)";
-
-// One that cannot be does not spoil the other, but the exit code tells.
-TEST_F(Program, WorldsBecomeOneTable) {
-  if (!can_render()) GTEST_SKIP() << "egomod-sim cannot render here";
-  std::ofstream(in("tiny.toml")) << kWorld;
-  std::ofstream(in("broken.toml")) << "duration_s = 1.0\nshel = 3\n";
-  const Outcome outcome =
-      run({script("evaluate-worlds"), "--programs", EGOMOD_PROGRAMS, "--output", in("out"),
-           "--table", in("results.md"), "--worlds", in("tiny.toml"), in("broken.toml")});
-  EXPECT_EQ(outcome.exit_code, kFailure) << outcome.output;
-  EXPECT_THAT(outcome.output, HasSubstr("[2/2] broken"));
-  const std::string table = read(in("results.md"));
-  EXPECT_THAT(table, HasSubstr("| tiny | default | 3 |"));
-  EXPECT_THAT(table, HasSubstr("| tiny | thesis | 3 |"));
-  EXPECT_THAT(table, HasSubstr("| mean | thesis |"));
-  EXPECT_THAT(table, HasSubstr("Left out: broken: egomod-sim: " + in("broken.toml") + ":"));
-  EXPECT_THAT(read(in("out/figures.json")), HasSubstr("\"method\": \"thesis\""));
-  EXPECT_FALSE(fs::exists(in("out/tiny/truth/image_0")));
-}
-#endif
 
 }  // namespace
 }  // namespace egomod::thesis
