@@ -8,6 +8,10 @@ namespace {
 
 constexpr double kMemory_s = 0.15;  // about what a point's filter lags behind
 constexpr double kUnrestMemory_s = 0.5;
+// Of the mean squares of changes: what is left of the error along them, and what there is of it in
+// any direction, since a point's depth and its way across the image are measured together.
+constexpr double kAlongShare = 0.7;
+constexpr double kAcrossShare = 0.1;
 constexpr double kLeadShare = 0.3;  // of the change: more of it adds more noise than it takes lag
 
 }  // namespace
@@ -32,7 +36,8 @@ void Manoeuvre::rotate(const Eigen::Matrix3d& R_to_from) {
 Eigen::Vector3d Manoeuvre::lead_mps() const { return kLeadShare * change_mps_; }
 
 Eigen::Matrix3d Manoeuvre::covariance_m2ps2() const {
-  return change_mps_ * change_mps_.transpose() + unrest_m2ps2_;
+  const Eigen::Matrix3d along = change_mps_ * change_mps_.transpose() + unrest_m2ps2_;
+  return kAlongShare * along + kAcrossShare * along.trace() * Eigen::Matrix3d::Identity();
 }
 
 }  // namespace egomod

@@ -278,6 +278,34 @@ TEST_F(Filter, WalkerIsOneObject) {
   EXPECT_LT((objects.objects.front().velocity_mps - walk_mps).norm(), 0.15);
 }
 
+// In the middle of a step no five points have one velocity.
+TEST_F(Filter, WalkerInMidStepIsFoundWithItsLegs) {
+  rest_rig();
+  world.add_background(300);
+  const Eigen::Vector3d walk_mps{1.0, 0.0, 0.1};
+  const Eigen::Vector3d swing_mps{0.6, 0.0, 0.0};
+  world.add_box(4, {-1.2, -0.3, 6.0}, {0.4, 0.4, 0.2}, walk_mps);
+  world.add_box(3, {-1.3, 0.3, 6.0}, {0.1, 0.3, 0.1}, walk_mps + swing_mps);
+  world.add_box(3, {-1.1, 0.3, 6.0}, {0.1, 0.3, 0.1}, walk_mps - swing_mps);
+  for (int pair = 0; pair < 18; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  EXPECT_GE(objects.objects.front().points, 9);
+  EXPECT_LT((objects.objects.front().velocity_mps - walk_mps).norm(), 0.15);
+}
+
+TEST_F(Filter, ArmBesideItsTrunkIsNoObject) {
+  rest_rig();
+  world.add_background(300);
+  const Eigen::Vector3d walk_mps{0.8, 0.0, 0.0};
+  world.add_box(30, {-1.0, 0.0, 5.0}, {0.4, 0.9, 0.2}, walk_mps);
+  world.add_box(7, {-0.9, 0.1, 4.9}, {0.1, 0.5, 0.1}, {1.3, 0.0, 0.0});
+  for (int pair = 0; pair < 15; ++pair) {
+    run(pair);
+    ASSERT_LE(moving(), 1) << "pair " << pair;
+  }
+  EXPECT_EQ(moving(), 1);
+}
+
 TEST_F(Filter, AmbiguousMotionConfirmsNothing) {
   world.add_background(300);
   world.add_box(40, {-0.5, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.5, 0.0, 0.0});

@@ -26,8 +26,11 @@ TEST(Manoeuvre, LeadsAVelocityThatGrowsAndOwnsUpToItsLag) {
   EXPECT_GT(manoeuvre.lead_mps().z(), 0.0);
   EXPECT_LT(manoeuvre.lead_mps().head<2>().norm(), kNothing);
   // A ramp of 0.91 m/s^2 is some 0.13 m/s behind after 0.15 s.
-  EXPECT_NEAR(std::sqrt(manoeuvre.covariance_m2ps2()(2, 2)), 0.13 * std::sqrt(2.0), 0.03);
-  EXPECT_LT(manoeuvre.covariance_m2ps2()(0, 0), kNothing);
+  const Eigen::Matrix3d covariance = manoeuvre.covariance_m2ps2();
+  EXPECT_NEAR(std::sqrt(covariance(2, 2)), 0.17, 0.03);
+  // Less is wrong across it, but not nothing.
+  EXPECT_GT(covariance(0, 0), 0.05 * covariance(2, 2));
+  EXPECT_LT(covariance(0, 0), 0.2 * covariance(2, 2));
 }
 
 TEST(Manoeuvre, CalmsDownAfterwards) {
@@ -47,7 +50,7 @@ TEST(Manoeuvre, TurnsWithTheCamera) {
   quarter << 0, 0, 1, 0, 1, 0, -1, 0, 0;  // x to -z
   manoeuvre.rotate(quarter);
   EXPECT_NEAR(manoeuvre.lead_mps().z(), -lead_mps, kNothing);
-  EXPECT_NEAR(manoeuvre.covariance_m2ps2()(0, 0), 0.0, kNothing);
+  EXPECT_GT(manoeuvre.covariance_m2ps2()(2, 2), 5.0 * manoeuvre.covariance_m2ps2()(0, 0));
 }
 
 }  // namespace
