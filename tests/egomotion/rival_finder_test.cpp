@@ -13,6 +13,8 @@ namespace {
 // The rig's motion is known; half of the tracks move on their own.
 class RivalFinderTest : public testing::Test {
  protected:
+  static constexpr double kInterval_s = 0.1;
+
   RivalFinderTest() {
     tracks_ = world_.step(forward_and_left());
     for (std::size_t k = 0; k < tracks_.tracks.size(); ++k) {
@@ -25,15 +27,15 @@ class RivalFinderTest : public testing::Test {
     all_agree_.assign(roles_.size(), TrackRole::kInlier);
   }
 
-  bool find(const std::vector<TrackRole>& roles, const std::vector<MapPoint>& map) {
+  bool find(const std::vector<TrackRole>& roles, const std::vector<MapPoint>& map,
+            double interval_s = kInterval_s) {
     const Solution estimate{.T_previous_current = forward_and_left(),
                             .covariance = 1e-6 * Matrix6d::Identity()};
     const VelocityState past{.y = velocity_of(forward_and_left(), kInterval_s)};
-    return finder_.find(tracks_, estimate, roles, map, 1.0, {.past = past, .dt_s = kInterval_s},
+    return finder_.find(tracks_, estimate, roles, map, 1.0, {.past = past, .dt_s = interval_s},
                         rival_);
   }
 
-  static constexpr double kInterval_s = 0.1;
   synthetic::World world_{5, 600, 0.5};
   TrackSet tracks_;
   std::vector<TrackRole> roles_;
@@ -62,6 +64,15 @@ TEST_F(RivalFinderTest, StaysInDoubtWhileTheMapHasGivenUpHalfOfTheImage) {
     EXPECT_FALSE(rival_.preferred);
   }
   EXPECT_FALSE(find(all_agree_, map_)) << "the map owns all again";
+}
+
+TEST_F(RivalFinderTest, TheRivalGoesOnAtItsVelocityWhateverTheInterval) {
+  ASSERT_TRUE(find(roles_, map_));
+  const Eigen::Isometry3d T_rival = rival_.solution.T_previous_current;
+  ASSERT_TRUE(find(all_agree_, movers_given_up_, 2.0 * kInterval_s));
+  const Eigen::Isometry3d& T_doubled = rival_.solution.T_previous_current;
+  EXPECT_TRUE(T_doubled.translation().isApprox(2.0 * T_rival.translation()));
+  EXPECT_TRUE(T_doubled.linear().isApprox(T_rival.linear() * T_rival.linear()));
 }
 
 TEST_F(RivalFinderTest, DoubtEndsWithAReset) {
