@@ -22,6 +22,7 @@ constexpr double kFadePerS = 1.35;  // a standing point's certainty, for all tha
 constexpr double kAccelerationTime_s = 1.0 / 30.0;  // how long an acceleration lasts
 constexpr double kFresh_s = 2.0;
 constexpr double kNearBound = 0.5;
+constexpr double kSurpriseChi2 = 16.27;  // 99.9 %, 3 dof: foretold neither at rest nor as it was
 
 struct Fit {
   double chi2 = 0.0;
@@ -82,6 +83,18 @@ void learn_velocity_anew(TrackFilter& f, const MotionPrior& prior, Nanoseconds n
   f.moving.bias_covariance << f.standing.bias_covariance, Eigen::Vector3d::Zero();
   f.misfit = kFittingChi2;
   f.fresh = now;
+}
+
+// The moving model forgets where the point was, too: how long ago it began to move is not known.
+void move_from_here(TrackFilter& f, const PointMeasurement& measurement, const MotionPrior& prior) {
+  f.moving.state << measurement.position_m, Eigen::Vector3d::Zero();
+  f.moving.covariance.setZero();
+  f.moving.covariance.topLeftCorner<3, 3>() =
+      measurement.covariance_m2 + measurement.bias_m * measurement.bias_m.transpose();
+  f.moving.covariance.diagonal().tail<3>().setConstant(prior.velocity_mps * prior.velocity_mps);
+  f.moving.bias_covariance << -measurement.bias_m, Eigen::Vector3d::Zero();
+  f.misfit = kFittingChi2;
+  f.fresh = f.seen;
 }
 
 void stand_where_it_is(TrackFilter& f) {
@@ -146,6 +159,11 @@ void TrackFilter::update(const PointMeasurement& measurement, const MotionPrior&
   standing_chi2 = stands.chi2;
   misfit += (1.0 - kMisfitMemory) * (std::min(moves.chi2, kMostMisfit) - misfit);
   ++updates;
+  // What starts after a rest: the velocity learnt at rest would resist for as long as it was
+  // learnt.
+  if (evidence < 0.0 && !is_young() && std::min(moves.chi2, stands.chi2) > kSurpriseChi2) {
+    move_from_here(*this, measurement, prior);
+  }
   if (evidence > kMostEvidence - kNearBound) stand_where_it_is(*this);
   if (misfit > 4.0 * kFittingChi2) {  // fits neither: a mismatch, or another surface
     evidence = std::min(evidence, 0.0);

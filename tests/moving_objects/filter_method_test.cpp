@@ -217,6 +217,19 @@ TEST_F(Filter, WhatStartsAfterLongRestIsFound) {
   EXPECT_EQ(moving(), 1);
 }
 
+// Rest has taught the filters a velocity of nothing, which a start must not have to wear down.
+TEST_F(Filter, WhatStartsAfterOneSecondOfRestIsFoundAtOnce) {
+  rest_rig();
+  world.add_background(300);
+  world.add_box(40, {-0.5, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.0, 0.0, 0.0});
+  int pair = 0;
+  for (; pair < 30; ++pair) run(pair);
+  turn(pair - 1, 300, {0.5, 0.0, 0.0});
+  for (; pair < 34; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  EXPECT_NEAR(objects.objects.front().velocity_mps.x(), 0.5, 0.1);
+}
+
 TEST_F(Filter, EchoOfRepeatedTextureIsNoObject) {
   world.rig_velocity_mps = {0.0, 0.0, 0.3};
   world.rig_yaw_rate_radps = 0.0;
