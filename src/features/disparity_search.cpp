@@ -21,6 +21,7 @@ constexpr int kSamePeak_px = 3;
 constexpr int kMaxPeaks = 6;
 constexpr float kCoarseLag = 0.4F;  // peaks so far behind the best don't win at full resolution
 constexpr float kRowGain = 0.15F;
+constexpr float kMaxBackRatio = 0.8F;  // of 1 - NCC, from right to left
 constexpr float kMinCoarseNcc = 0.3F;  // fine texture is blurred away at half resolution
 
 struct Peak {
@@ -49,12 +50,13 @@ bool contains(const ImageView& image, int u, int v, int side) {
   return u >= 0 && v >= 0 && u + side <= image.width_px && v + side <= image.height_px;
 }
 
-// The local maxima along one row of places, the best first. `leftmost` is at the largest disparity.
-Peaks local_maxima(const float* ncc, int count, int largest_disparity) {
+// The local maxima along one row of places, the best first. `step` of disparity from place to
+// place.
+Peaks local_maxima(const float* ncc, int count, int first_disparity, int step) {
   Peaks peaks;
   for (int i = 1; i + 1 < count; ++i)
     if (ncc[i] >= kMinCoarseNcc && ncc[i] > ncc[i - 1] && ncc[i] >= ncc[i + 1])
-      peaks.add({largest_disparity - i, ncc[i]});
+      peaks.add({first_disparity + step * i, ncc[i]});
   return peaks;
 }
 
@@ -72,16 +74,27 @@ struct Refined {
 
 using Candidates = std::array<Refined, kMaxPeaks>;
 
-// Everything that searching one corner needs.
+// Places of the other image that disparities from `smallest` to `largest` lead to, cut to the
+// image.
+struct Places {
+  int first = 0;
+  int count = 0;
+  int first_disparity = 0;
+  int step = 0;  // of the disparity, from place to place
+};
+
+// Everything that searching one point of `from` in `to` needs.
 struct Search {
   const DisparityConfig& config;
   const ImageKernels& kernels;
-  const Pyramid& left;
-  const Pyramid& right;
+  const Pyramid& from;
+  const Pyramid& to;
+  int side;  // -1: `to` is the right image and shows the point further left; 1: it is the left one
   float* strip;
   float* ncc;
-  PixelPosition shift{};  // of the right image
+  PixelPosition shift{};  // of `to`
 
+  [[nodiscard]] Places places(int u, int smallest, int largest, int last_place) const;
   [[nodiscard]] Peaks coarse(PixelPosition corner) const;
   [[nodiscard]] Refined fine(const CorrelationPatch<kFine_px>& patch, PixelPosition corner,
                              int disparity, int row) const;
@@ -90,49 +103,53 @@ struct Search {
   [[nodiscard]] DisparityMatch match(PixelPosition corner) const;
 };
 
+Places Search::places(int u, int smallest, int largest, int last_place) const {
+  const int low = std::max(side < 0 ? u - largest : u + smallest, 0);
+  const int high = std::min(side < 0 ? u - smallest : u + largest, last_place);
+  return {low, high - low + 1, side * (low - u), side};
+}
+
 Peaks Search::coarse(PixelPosition corner) const {
-  const ImageView from = left.level(1), to = right.level(1);
+  const ImageView image = from.level(1), other = to.level(1);
   const ImagePoint centre =
       to_level({static_cast<float>(corner.u_px), static_cast<float>(corner.v_px)}, 1);
   const float half = 0.5F * static_cast<float>(kCoarse_px - 1);
   const int u = static_cast<int>(std::lround(centre.u_px - half));
   const int v = static_cast<int>(std::lround(centre.v_px - half));
-  const int u_right = u + shift.u_px / 2, v_right = v + shift.v_px / 2;
-  const int first = std::max(u_right - config.max_disparity_px / 2 - kCoarseMargin, 0);
-  const int last = std::min(u_right + kCoarseMargin, to.width_px - kCoarse_px);
-  if (!contains(from, u, v, kCoarse_px) || v_right < 0 || v_right + kCoarse_px > to.height_px ||
-      last < first)
+  const int v_other = v + shift.v_px / 2;
+  const Places p = places(u + shift.u_px / 2, -kCoarseMargin,
+                          config.max_disparity_px / 2 + kCoarseMargin, other.width_px - kCoarse_px);
+  if (!contains(image, u, v, kCoarse_px) || v_other < 0 || v_other + kCoarse_px > other.height_px ||
+      p.count <= 0)
     return {};
-  const int count = last - first + 1;
-  const std::ptrdiff_t stride = strip_stride(count, kCoarse_px);
-  copy_strip(to, first, v_right, count + kCoarse_px - 1, kCoarse_px, strip, stride);
-  const CorrelationPatch<kCoarse_px> patch(from.row(v) + u, from.stride_bytes);
-  kernels.correlate_8(patch.along(strip, stride, count), ncc);
-  return local_maxima(ncc, count, u_right - first);
+  const std::ptrdiff_t stride = strip_stride(p.count, kCoarse_px);
+  copy_strip(other, p.first, v_other, p.count + kCoarse_px - 1, kCoarse_px, strip, stride);
+  const CorrelationPatch<kCoarse_px> patch(image.row(v) + u, image.stride_bytes);
+  kernels.correlate_8(patch.along(strip, stride, p.count), ncc);
+  return local_maxima(ncc, p.count, p.first_disparity, p.step);
 }
 
 Refined Search::fine(const CorrelationPatch<kFine_px>& patch, PixelPosition corner, int disparity,
                      int row) const {
-  const ImageView to = right.level(0);
+  const ImageView other = to.level(0);
   const int u = corner.u_px - kFineRadius_px + shift.u_px;
   const int v = corner.v_px - kFineRadius_px + row + shift.v_px;
-  const int largest = std::min(disparity + kFineReach_px, config.max_disparity_px);
-  const int smallest = std::max(disparity - kFineReach_px, kMinDisparity_px);
-  const int first = std::max(u - largest, 0), last = std::min(u - smallest, to.width_px - kFine_px);
-  if (last < first || v < 0 || v + kFine_px > to.height_px) return {};
-  const int count = last - first + 1;
+  const Places p = places(u, std::max(disparity - kFineReach_px, kMinDisparity_px),
+                          std::min(disparity + kFineReach_px, config.max_disparity_px),
+                          other.width_px - kFine_px);
+  if (p.count <= 0 || v < 0 || v + kFine_px > other.height_px) return {};
   constexpr std::ptrdiff_t stride = strip_stride(2 * kFineReach_px + 1, kFine_px);
-  copy_strip(to, first, v, count + kFine_px - 1, kFine_px, strip, stride);
-  kernels.correlate_11(patch.along(strip, stride, count), ncc);
-  const int at = static_cast<int>(std::max_element(ncc, ncc + count) - ncc);
-  return {u - first - at, row, ncc[at]};
+  copy_strip(other, p.first, v, p.count + kFine_px - 1, kFine_px, strip, stride);
+  kernels.correlate_11(patch.along(strip, stride, p.count), ncc);
+  const int at = static_cast<int>(std::max_element(ncc, ncc + p.count) - ncc);
+  return {p.first_disparity + p.step * at, row, ncc[at]};
 }
 
 DisparityMatch Search::match(PixelPosition corner) const {
-  const ImageView from = left.level(0);
+  const ImageView image = from.level(0);
   const int u = corner.u_px - kFineRadius_px, v = corner.v_px - kFineRadius_px;
-  if (!contains(from, u, v, kFine_px)) return {.status = MatchStatus::kOutside};
-  const CorrelationPatch<kFine_px> patch(from.row(v) + u, from.stride_bytes);
+  if (!contains(image, u, v, kFine_px)) return {.status = MatchStatus::kOutside};
+  const CorrelationPatch<kFine_px> patch(image.row(v) + u, image.stride_bytes);
   const Candidates candidates = refined(patch, corner);
   const Refined best =
       *std::max_element(candidates.begin(), candidates.end(),
@@ -168,6 +185,20 @@ Candidates Search::refined(const CorrelationPatch<kFine_px>& patch, PixelPositio
   return candidates;
 }
 
+// What the right image shows at a match must be found where it came from, and better than anywhere
+// else: a point that the right image does not show is matched to something that the left image
+// shows at another place.
+MatchStatus verified(Search& back, PixelPosition corner, PixelPosition shift,
+                     const DisparityMatch& match) {
+  back.shift = {-shift.u_px, -shift.v_px};
+  const PixelPosition right{corner.u_px - match.disparity_px + shift.u_px,
+                            corner.v_px + match.row_offset_px + shift.v_px};
+  const DisparityMatch there = back.match(right);
+  const bool returns = std::abs(there.disparity_px - match.disparity_px) <= kSamePeak_px &&
+                       1.0F - there.ncc <= kMaxBackRatio * (1.0F - there.second_ncc);
+  return returns ? MatchStatus::kFound : MatchStatus::kAmbiguous;
+}
+
 }  // namespace
 
 DisparitySearch::DisparitySearch(const DisparityConfig& config) : config_(config) {
@@ -182,11 +213,14 @@ void DisparitySearch::search(const Pyramid& left, const Pyramid& right,
                              std::span<DisparityMatch> matches,
                              std::span<const PixelPosition> right_shifts) {
   const ImageKernels kernels = image_kernels();
-  Search search{config_, kernels, left, right, strip_.data(), ncc_.data()};
+  Search search{config_, kernels, left, right, -1, strip_.data(), ncc_.data()};
+  Search back{config_, kernels, right, left, 1, strip_.data(), ncc_.data()};
   const bool can = left.levels() > 1 && right.levels() > 1;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     if (!right_shifts.empty()) search.shift = right_shifts[i];
     matches[i] = can ? search.match(corners[i]) : DisparityMatch{.status = MatchStatus::kOutside};
+    if (matches[i].status == MatchStatus::kFound)
+      matches[i].status = verified(back, corners[i], search.shift, matches[i]);
   }
 }
 

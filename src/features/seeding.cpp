@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "stereo_alignment.hpp"
+#include "surface_check.hpp"
 
 namespace egomod {
 namespace {
@@ -51,6 +52,7 @@ void Seeding::seed(const StereoImages& images, const Skew& skew, TrackStore& sto
   }
   matches_.resize(pixels_.size());
   search_.search(images.left, images.right, pixels_, matches_, right_shifts_);
+  const std::size_t old = store.points().size();
   for (std::size_t i = 0; i < corners_.size() && !store.full(); ++i) {
     if (matches_[i].status != MatchStatus::kFound) continue;
     const ImagePoint left{static_cast<float>(pixels_[i].u_px), static_cast<float>(pixels_[i].v_px)};
@@ -59,6 +61,11 @@ void Seeding::seed(const StereoImages& images, const Skew& skew, TrackStore& sto
     if (!found.valid || !is_consistent(images, left, found)) continue;
     store.add(images.left.level(0), pixels_[i], corners_[i].kind).stereo = found;
   }
+  for (std::size_t i = old; i < store.points().size(); ++i) {
+    FollowedPoint& point = store.points()[i];
+    point.stereo = settle_by_neighbours(images, skew, store, point);
+  }
+  store.drop_if([](const FollowedPoint& point) { return point.age == 0 && !point.stereo.valid; });
 }
 
 }  // namespace egomod

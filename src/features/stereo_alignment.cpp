@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "surface_check.hpp"
+
 namespace egomod {
 namespace {
 
@@ -259,7 +261,11 @@ void StereoAlignment::search_lost(const StereoImages& previous, const StereoImag
     const StereoMeasurement start{.disparity_px = static_cast<float>(matches_[k].disparity_px)};
     const StereoMeasurement found =
         align_skewed(current, point.left, start, skew, skew.own_shift(point.own_motion));
-    if (trustworthy(previous, current, point, found)) adopt(found, point);
+    if (!trustworthy(previous, current, point, found)) continue;
+    FollowedPoint candidate = point;
+    candidate.stereo = found;
+    const StereoMeasurement settled = settle_by_neighbours(current, skew, store, candidate);
+    if (settled.valid) adopt(settled, point);
   }
 }
 

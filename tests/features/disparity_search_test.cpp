@@ -118,6 +118,28 @@ TEST(DisparitySearchTest, RefusesWhatTheOtherImageDoesNotShow) {
   EXPECT_LE(o.wrong, 0.12 * o.all());
 }
 
+// A wall of bricks, all a little different, behind something that hides some of them from the right
+// camera: what is hidden is like another brick that both cameras see.
+TEST(DisparitySearchTest, RefusesWhatIsHiddenWhereALookAlikeIsShown) {
+  constexpr double kWall_px = 30.0;
+  constexpr int kBrick_px = 90;
+  const testing::SpottedTexture alike(kBrick_px + 40, kHeight_px, 33, 60.0, 5.0),
+      own(kWidth_px + 100, kHeight_px, 34, 18.0, 5.0), hiding(kWidth_px, kHeight_px, 35, 60.0, 5.0);
+  const auto wall = [&](double u, double v) {
+    return alike(20.0 + std::fmod(u, kBrick_px), v) + own(u, v) - 120.0;
+  };
+  const auto hides = [](double u_right) { return u_right > 200.0 && u_right < 280.0; };
+  const Rig rig{testing::painted(kWidth_px, kHeight_px, wall),
+                testing::painted(kWidth_px, kHeight_px, [&](int u, int v) {
+                  return hides(u) ? hiding(u, v) : wall(u + kWall_px, v);
+                })};
+  const auto truth = [&](int u, int) { return hides(u - kWall_px) ? -100.0 : kWall_px; };
+  const Outcome o = run(rig, truth, 160, {.max_disparity_px = 150});
+  ASSERT_GT(o.all(), 150);
+  EXPECT_LE(o.wrong, 0.01 * o.all());
+  EXPECT_GE(o.found, 0.5 * o.all());
+}
+
 TEST(DisparitySearchTest, ToleratesOneRowOfMisalignment) {
   const testing::SpottedTexture texture(kWidth_px + 300, kHeight_px + 4, 41);
   for (const int rows : {-1, 1}) {

@@ -34,7 +34,7 @@ struct DisparityMatch {
 
 // Whole-pixel disparity of corners by zero-mean normalised cross-correlation of 11x11 patches along
 // the row and its two neighbours: every disparity at half resolution, the best few peaks again at
-// full. Threads: one caller.
+// full; what is found must lead back to where it came from. Threads: one caller.
 class DisparitySearch {
  public:
   static constexpr int kPatch_px = 11;

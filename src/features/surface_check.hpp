@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "skew.hpp"
+#include "stereo_images.hpp"
+#include "track_store.hpp"
+
+namespace egomod {
+
+// A match that a search found is the best of those that show the patch unsheared. On a floor or
+// along a wall, which the right image shows sheared, repeated texture elsewhere may look more alike
+// than the place itself. So the surfaces that the neighbours lie on are tried as well. Gives the
+// disparity that fits clearly better; not valid where two different ones fit alike.
+[[nodiscard]] StereoMeasurement settle_by_neighbours(const StereoImages& images, const Skew& skew,
+                                                     const TrackStore& store,
+                                                     const FollowedPoint& point);
+
+}  // namespace egomod
