@@ -121,7 +121,8 @@ Command command_from(const Arguments& a) {
   check_record(a, command.config);
   if (a.check) {
     command.action = Command::Action::kPrint;
-    command.text = "the configuration is fine\n";
+    command.text =
+        "the configuration is fine; on this machine: " + choices_of_machine(command.config) + "\n";
   } else if (command.config.daemon.source.empty()) {
     throw ConfigError("no source; give --source SPEC or daemon.source, --help says more");
   }

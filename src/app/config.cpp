@@ -259,6 +259,11 @@ void apply_setting(Config& config, std::string_view setting, ConfigOrigins* orig
   apply_value(config, where, key, *table.get("value"), origins);
 }
 
+std::string choices_of_machine(const Config& config) {
+  return fmt::format("up to {} tracks, kernels for {}", max_tracks(config.features),
+                     name(instruction_set()));
+}
+
 std::string dump(const Config& config) {
   Config copy = config;
   std::string text;

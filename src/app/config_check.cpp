@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <cstdlib>
 #include <initializer_list>
 #include <string>
 #include <string_view>
 
 #include "egomod/app/config.hpp"
 #include "egomod/capture/frame_source.hpp"
+#include "egomod/core/instruction_set.hpp"
 #include "egomod/pipeline/pipeline.hpp"
 
 namespace egomod {
@@ -28,6 +30,23 @@ void check_cpus(const Config& config, const ConfigOrigins& origins) {
     (void)parse_cpus(config.pipeline.cpus);
   } catch (const std::invalid_argument& error) {
     refuse(origins, {"pipeline.cpus"}, error.what());
+  }
+}
+
+void check_max_tracks(const Config& config, const ConfigOrigins& origins) {
+  constexpr int kLeast = 16;
+  const int tracks = config.features.max_tracks;
+  if (tracks != 0 && tracks < kLeast) {
+    refuse(origins, {"features.max_tracks"},
+           fmt::format("want 0 or at least {} tracks, not {}", kLeast, tracks));
+  }
+}
+
+void check_instruction_set() {
+  const char* const set = std::getenv(kInstructionSetVariable);
+  if (set != nullptr && !instruction_set_named(set)) {
+    throw ConfigError(
+        fmt::format("{}={}: want baseline, x86-64-v3 or x86-64-v4", kInstructionSetVariable, set));
   }
 }
 
@@ -72,6 +91,8 @@ void check_images(const Config& config, const ConfigOrigins& origins) {
 }  // namespace
 
 void check(const Config& config, const ConfigOrigins& origins) {
+  check_instruction_set();
+  check_max_tracks(config, origins);
   check_cpus(config, origins);
   check_lag(config, origins);
   check_channels(config, origins);

@@ -115,6 +115,7 @@ int run_to_the_end(const Config& config, bool quiet) {
   Stages stages(config, target_of(config.daemon, bus, is_replay, is_live));
   Pipeline pipeline(config.pipeline, *source, stages.functions());
   PipelineEnd end = PipelineEnd::kStopped;
+  spdlog::info("{}", choices_of_machine(config));
   {
     Supervisor supervisor({.source = *source,
                            .pipeline = pipeline,

@@ -54,7 +54,7 @@ ResidualKernels residual_kernels();
 
 [[nodiscard]] inline ResidualKernels residual_kernels() {
 #if defined(EGOMOD_HAS_X86_64_V3)
-  if (cpu_has_x86_64_v3()) return x86_64_v3::residual_kernels();
+  if (instruction_set() >= InstructionSet::kX86_64V3) return x86_64_v3::residual_kernels();
 #endif
   return baseline::residual_kernels();
 }

@@ -26,6 +26,9 @@ constexpr int kMaxPairsWithoutStereo = 5;
 // Shares of points not found that call for the wide search, and that discredit the prediction.
 constexpr float kBridgingShare = 0.3F;
 constexpr float kSurpriseShare = 0.5F;
+// Beyond 1000 the drift does not fall; see docs/egomotion.md for what each costs.
+constexpr int kMaxTracks = 1000;
+constexpr int kMaxTracksBaseline = 650;
 constexpr float kMaxNccDrop = 0.06F;    // below the track's own level
 constexpr float kMaxDeviation = 0.45F;  // of the warp from the identity
 constexpr float kFirstNccLevel = 0.9F;
@@ -37,6 +40,11 @@ bool usable(const StereoPair& pair) {
          pair.left.height_px() >= kMinImageSide_px &&
          pair.left.width_px() == pair.right.width_px() &&
          pair.left.height_px() == pair.right.height_px();
+}
+
+FeaturesConfig with_track_count(FeaturesConfig config) {
+  config.max_tracks = max_tracks(config);
+  return config;
 }
 
 CornerConfig corner_config(const FeaturesConfig& config, int width_px, int height_px) {
@@ -93,10 +101,18 @@ struct Workers {
 
 }  // namespace
 
+int usual_max_tracks(InstructionSet set) {
+  return set == InstructionSet::kBaseline ? kMaxTracksBaseline : kMaxTracks;
+}
+
+int max_tracks(const FeaturesConfig& config) {
+  return config.max_tracks > 0 ? config.max_tracks : usual_max_tracks(instruction_set());
+}
+
 class FeatureTracker::Implementation {
  public:
   explicit Implementation(const FeaturesConfig& config)
-      : config_(config), store_(config.max_tracks) {}
+      : config_(with_track_count(config)), store_(config_.max_tracks) {}
 
   void track(const StereoPair& pair, TrackSet& tracks);
 
@@ -137,6 +153,7 @@ void FeatureTracker::Implementation::track(const StereoPair& pair, TrackSet& tra
   tracks.camera = pair.calibration.camera;
   tracks.wheels = pair.wheels;
   tracks.T_body_camera = pair.calibration.T_body_camera;
+  tracks.max_tracks = config_.max_tracks;
   tracks.tracks.clear();
   tracks.status = TrackStatus::kNotRun;
   if (!usable(pair)) return;

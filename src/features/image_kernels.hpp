@@ -73,7 +73,7 @@ ImageKernels image_kernels();
 
 [[nodiscard]] inline ImageKernels image_kernels() {
 #if defined(EGOMOD_HAS_X86_64_V3)
-  if (cpu_has_x86_64_v3()) return x86_64_v3::image_kernels();
+  if (instruction_set() >= InstructionSet::kX86_64V3) return x86_64_v3::image_kernels();
 #endif
   return baseline::image_kernels();
 }

@@ -9,8 +9,9 @@ namespace {
 
 PatchKernels choose() {
 #if defined(EGOMOD_HAS_X86_64_V3)
-  if (cpu_has_x86_64_v4()) return x86_64_v4::patch_kernels();
-  if (cpu_has_x86_64_v3()) return x86_64_v3::patch_kernels();
+  const InstructionSet set = instruction_set();
+  if (set >= InstructionSet::kX86_64V4) return x86_64_v4::patch_kernels();
+  if (set >= InstructionSet::kX86_64V3) return x86_64_v3::patch_kernels();
 #endif
   return baseline::patch_kernels();
 }

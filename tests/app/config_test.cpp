@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstddef>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -174,6 +175,33 @@ TEST(ConfigCheck, refuses_what_no_single_key_shows) {
   config = {};
   config.capture.left_channel = "LEFT";
   EXPECT_THROW(check(config), ConfigError);
+}
+
+TEST(ConfigCheck, refuses_too_few_tracks_but_leaves_the_number_to_the_machine_at_zero) {
+  Config config;
+  EXPECT_EQ(config.features.max_tracks, 0);
+  EXPECT_NO_THROW(check(config));
+  config.features.max_tracks = 16;
+  EXPECT_NO_THROW(check(config));
+  config.features.max_tracks = 15;
+  EXPECT_THROW(check(config), ConfigError);
+}
+
+TEST(ConfigCheck, refuses_an_instruction_set_that_is_none) {
+  setenv("EGOMOD_INSTRUCTION_SET", "avx9", 1);
+  EXPECT_THROW(check(Config{}), ConfigError);
+  setenv("EGOMOD_INSTRUCTION_SET", "baseline", 1);
+  EXPECT_NO_THROW(check(Config{}));
+  unsetenv("EGOMOD_INSTRUCTION_SET");
+}
+
+TEST(ConfigCheck, tells_what_is_left_to_the_machine) {
+  Config config;
+  setenv("EGOMOD_INSTRUCTION_SET", "baseline", 1);
+  EXPECT_EQ(choices_of_machine(config), "up to 650 tracks, kernels for baseline");
+  unsetenv("EGOMOD_INSTRUCTION_SET");
+  config.features.max_tracks = 77;
+  EXPECT_THAT(choices_of_machine(config), StartsWith("up to 77 tracks"));
 }
 
 class ConfigCheckOfFile : public ConfigFile {

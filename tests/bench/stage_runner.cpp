@@ -100,7 +100,7 @@ struct StageRunner::Stages {
 };
 
 StageRunner::StageRunner(std::vector<StereoPair> pairs)
-    : StageRunner(std::move(pairs), FeaturesConfig{}.max_tracks) {}
+    : StageRunner(std::move(pairs), max_tracks({})) {}
 
 StageRunner::StageRunner(std::vector<StereoPair> pairs, int max_tracks)
     : max_tracks_(max_tracks), frames_(pairs.size()) {

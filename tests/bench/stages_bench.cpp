@@ -2,7 +2,7 @@
 // Each stage and the whole, with default configurations: CPU time a pair at p50 and p99, also as a
 // fraction of the yardstick Y; and how it grows with the size of the images and the number of
 // tracks.
-//   stages_bench [PASSES]               a table of all stages on the sequence, quick
+//   stages_bench [PASSES [MAX_TRACKS]]  a table of all stages on the sequence, quick
 //   stages_bench --benchmark_...        the same as benchmarks of Google's, and the sweeps
 #include <benchmark/benchmark.h>
 
@@ -72,18 +72,24 @@ void print_row(const char* label, const std::vector<double>& times_s, double yar
               p50_s / yardstick_s, p99_s / yardstick_s);
 }
 
-void print_table(int passes) {
-  StageRunner runner(load_pairs());
+struct TableRequest {
+  int passes = 1;
+  int max_tracks = 0;  // 0: as many as the instruction set bears
+};
+
+void print_table(const TableRequest& request) {
+  StageRunner runner(load_pairs(), max_tracks({.max_tracks = request.max_tracks}));
   const YardstickAround yardstick(runner.first());
   std::vector<StageRunner::StageTimes> times_s;
-  for (int i = 0; i < passes; ++i) {
+  for (int i = 0; i < request.passes; ++i) {
     const auto pass_s = runner.pass_of_all();
     times_s.insert(times_s.end(), pass_s.begin(), pass_s.end());
   }
   const double yardstick_s = yardstick.seconds();
-  std::printf("%s, %dx%d, %zu pairs x %d, Y = %.2f ms\n", pairs_name().c_str(),
+  std::printf("%s, %dx%d, %zu pairs x %d, %.0f tracks, %s, Y = %.2f ms\n", pairs_name().c_str(),
               runner.first().left.width_px(), runner.first().left.height_px(), runner.pairs(),
-              passes, 1e3 * yardstick_s);
+              request.passes, runner.mean_tracks(), name(instruction_set()).data(),
+              1e3 * yardstick_s);
   std::printf("%-22s %9s %9s %9s %9s\n", "stage", "p50 ms", "p99 ms", "p50 Y", "p99 Y");
   for (const Stage stage : kStages)
     print_row(name(stage), sums(times_s, stage, stage), yardstick_s);
@@ -139,7 +145,7 @@ class Runners {
     auto& runner = by_width_[width_px];
     if (!runner) {
       const double scale = static_cast<double>(width_px) / kUsualWidth_px;
-      const double tracks = FeaturesConfig{}.max_tracks * scale * scale;
+      const double tracks = max_tracks({}) * scale * scale;
       runner.emplace(rendered_pairs(width_px), static_cast<int>(std::lround(tracks)));
     }
     return *runner;
@@ -210,13 +216,20 @@ int run_benchmarks(int argc, char** argv) {
   return 0;
 }
 
-std::optional<int> passes_from(int argc, char** argv) {
-  if (argc < 2) return 1;
-  int passes = 0;
-  const char* const end = argv[1] + std::strlen(argv[1]);
-  const auto parsed = std::from_chars(argv[1], end, passes);
-  const bool is_number = argc == 2 && parsed.ec == std::errc{} && parsed.ptr == end && passes > 0;
-  return is_number ? std::optional(passes) : std::nullopt;
+std::optional<int> positive_number(const char* text) {
+  int number = 0;
+  const char* const end = text + std::strlen(text);
+  const auto parsed = std::from_chars(text, end, number);
+  const bool is_number = parsed.ec == std::errc{} && parsed.ptr == end && number > 0;
+  return is_number ? std::optional(number) : std::nullopt;
+}
+
+std::optional<TableRequest> table_from(int argc, char** argv) {
+  if (argc > 3) return std::nullopt;
+  const auto passes = argc > 1 ? positive_number(argv[1]) : 1;
+  const auto tracks = argc > 2 ? positive_number(argv[2]) : 0;
+  if (!passes || !tracks) return std::nullopt;
+  return TableRequest{.passes = *passes, .max_tracks = *tracks};
 }
 
 }  // namespace
@@ -224,8 +237,8 @@ std::optional<int> passes_from(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
-    if (const auto passes = egomod::bench::passes_from(argc, argv)) {
-      egomod::bench::print_table(*passes);
+    if (const auto request = egomod::bench::table_from(argc, argv)) {
+      egomod::bench::print_table(*request);
       return 0;
     }
     return egomod::bench::run_benchmarks(argc, argv);

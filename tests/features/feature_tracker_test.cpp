@@ -143,6 +143,15 @@ class FeatureTrackerTest : public ::testing::Test {
   TrackSet tracks_;
 };
 
+TEST(MaxTracks, AreFewerWhereKernelsAreNarrowUnlessTheyAreGiven) {
+  EXPECT_LT(usual_max_tracks(InstructionSet::kBaseline),
+            usual_max_tracks(InstructionSet::kX86_64V3));
+  EXPECT_EQ(usual_max_tracks(InstructionSet::kX86_64V3),
+            usual_max_tracks(InstructionSet::kX86_64V4));
+  EXPECT_EQ(max_tracks({}), usual_max_tracks(instruction_set()));
+  EXPECT_EQ(max_tracks({.max_tracks = 77}), 77);
+}
+
 TEST_F(FeatureTrackerTest, FirstPairSeedsTracksWithStereoAndNoPast) {
   const TrackSet& first = track(pair(0));
   EXPECT_EQ(first.status, TrackStatus::kFirst);

@@ -30,28 +30,29 @@ Image smooth_image(int width_px, int height_px, unsigned seed) {
   return testing::painted(width_px, height_px, texture);
 }
 
-struct InstructionSet {
+struct NamedKernels {
   const char* name;
   ImageKernels kernels;
 };
 
 // Else GoogleTest prints bytes, pointers among them, which change from run to run.
-void PrintTo(const InstructionSet& set, std::ostream* out) { *out << set.name; }
+void PrintTo(const NamedKernels& set, std::ostream* out) { *out << set.name; }
 
-std::vector<InstructionSet> instruction_sets() {
-  std::vector<InstructionSet> sets{{"baseline", baseline::image_kernels()}};
+std::vector<NamedKernels> all_kernels() {
+  std::vector<NamedKernels> sets{{"baseline", baseline::image_kernels()}};
 #if defined(EGOMOD_HAS_X86_64_V3)
-  if (cpu_has_x86_64_v3()) sets.push_back({"x86_64_v3", x86_64_v3::image_kernels()});
+  if (instruction_set() >= InstructionSet::kX86_64V3)
+    sets.push_back({"x86_64_v3", x86_64_v3::image_kernels()});
 #endif
   return sets;
 }
 
-class ImageKernelsTest : public ::testing::TestWithParam<InstructionSet> {
+class ImageKernelsTest : public ::testing::TestWithParam<NamedKernels> {
  protected:
   const ImageKernels& kernels() const { return GetParam().kernels; }
 };
 
-INSTANTIATE_TEST_SUITE_P(EverySet, ImageKernelsTest, ::testing::ValuesIn(instruction_sets()),
+INSTANTIATE_TEST_SUITE_P(EverySet, ImageKernelsTest, ::testing::ValuesIn(all_kernels()),
                          [](const auto& set) { return set.param.name; });
 
 TEST_P(ImageKernelsTest, HalvingEqualsTheBinomialBitByBit) {

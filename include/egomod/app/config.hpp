@@ -61,6 +61,8 @@ void apply_setting(Config& config, std::string_view setting, ConfigOrigins* orig
 void check(const Config& config, const ConfigOrigins& origins = {});
 // That there is such a source, and that the rig file can be used. Throws ConfigError.
 void check_source_and_rig(const Config& config, const ConfigOrigins& origins = {});
+// What an option leaves to this machine, in words.
+[[nodiscard]] std::string choices_of_machine(const Config& config);
 // The whole configuration as a TOML file; a comment gives each key's meaning, unit and range.
 [[nodiscard]] std::string dump(const Config& config);
 

@@ -58,6 +58,7 @@ struct TrackSet {
   StereoCamera camera;
   std::optional<WheelPose> wheels{};
   Eigen::Isometry3d T_body_camera = default_T_body_camera();
+  int max_tracks = 0;         // as many as would be followed
   std::vector<Track> tracks;  // ascending id
 };
 

@@ -3,16 +3,22 @@
 
 #include <memory>
 
+#include "egomod/core/instruction_set.hpp"
 #include "egomod/core/stereo_pair.hpp"
 #include "egomod/core/track_set.hpp"
 
 namespace egomod {
 
 struct FeaturesConfig {
-  int max_tracks = 1000;
+  int max_tracks = 0;                  // 0: `usual_max_tracks`
   double max_disparity_share = 0.4;    // of the image width: 256 px at 640
   double search_radius_share = 0.625;  // of the image width, when no motion is known: 400 px at 640
 };
+
+// As many as the instruction set follows in about the same share of a pair's time.
+[[nodiscard]] int usual_max_tracks(InstructionSet set);
+// What `config` comes to on this machine.
+[[nodiscard]] int max_tracks(const FeaturesConfig& config);
 
 // Follows corners through both cameras: left previous -> left current -> right current -> right
 // previous, subpixel, with a covariance for each observation.
