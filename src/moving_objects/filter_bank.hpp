@@ -7,27 +7,34 @@
 #include <vector>
 
 #include "egomod/core/track_set.hpp"
-#include "moving_objects/track_filter.hpp"
+#include "moving_objects/filter_kernels.hpp"
 
 namespace egomod {
 
-// The filters of the living tracks. A filter keeps its place in memory as long as its track lives.
+// A filter's place: lane `lane` of block `block`.
+struct FilterSlot {
+  std::size_t block = 0;
+  std::size_t lane = 0;
+};
+
+// The filters of the living tracks, as many side by side as the kernels take. A filter keeps its
+// place in memory as long as its track lives.
 class FilterBank {
  public:
   FilterBank();
 
   void clear();
-  // Frees the filters of dead tracks, takes free ones for new tracks.
+  // Frees the filters of dead tracks, takes free ones for new tracks. None is seen yet.
   void align(std::span<const Track> tracks);
   // Of tracks[track] of the last `align`.
-  // Brings the filter of a track near; past the last one, nothing.
-  void prefetch(std::size_t track) const {
-    constexpr std::size_t kCacheLine = 64;
-    if (track >= places_.size()) return;
-    const auto* bytes = reinterpret_cast<const char*>(&filters_[places_[track].filter]);
-    for (std::size_t i = 0; i < sizeof(TrackFilter); i += kCacheLine) __builtin_prefetch(bytes + i);
+  [[nodiscard]] FilterSlot slot(std::size_t track) const {
+    return {places_[track].filter / kFilterLanes, places_[track].filter % kFilterLanes};
   }
-  [[nodiscard]] TrackFilter& of(std::size_t track) { return filters_[places_[track].filter]; }
+  [[nodiscard]] MeasurementBlock& measurements(FilterSlot at) { return measurements_[at.block]; }
+  // Takes what is measured into the filters that are seen.
+  void step(const FilterStep& step);
+  [[nodiscard]] const FilterBlock& filters(FilterSlot at) const { return filters_[at.block]; }
+  [[nodiscard]] const PointBlock& points(FilterSlot at) const { return points_[at.block]; }
 
  private:
   struct Place {
@@ -35,7 +42,12 @@ class FilterBank {
     std::size_t filter;
   };
 
-  std::vector<TrackFilter> filters_;
+  void add_block();
+
+  const FilterKernels kernels_ = filter_kernels();
+  std::vector<FilterBlock> filters_;
+  std::vector<MeasurementBlock> measurements_;
+  std::vector<PointBlock> points_;
   std::vector<std::size_t> free_;
   std::vector<Place> places_;  // ascending id
   std::vector<Place> previous_places_;

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moving_objects/filter_method.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "egomod/core/geometry.hpp"
 
@@ -14,14 +12,12 @@ namespace {
 constexpr double kMovingEvidence = 2.0;
 constexpr double kMovingChi2 = 11.34;  // 99 %, 3 dof: its velocity against rest
 constexpr double kMostMisfit = 8.0;    // of a point that may speak for motion
-constexpr int kLeastUpdates = 3;       // the first two of them fix position and velocity
+constexpr double kLeastUpdates = 3;    // the first two of them fix position and velocity
 constexpr int kConfirmPairs = 2;
 constexpr double kRigMemory_s = 0.15;  // one pair at a high rate tells little about the speed
 constexpr double kReanchor_px = 0.2;   // a renewed template may step
 // A velocity less certain than this in some direction says nothing about "static".
 constexpr double kUnobservable_mps = 0.5;
-constexpr double kLeastDepthShare = 0.5;  // nearer or further than that from the prediction the
-constexpr double kMostDepthShare = 2.0;   // measurement itself is the better point to linearise at
 
 bool is_comparable(const Egomotion& motion) {
   return (motion.status == EstimateStatus::kValid || motion.status == EstimateStatus::kAmbiguous ||
@@ -33,17 +29,16 @@ bool is_inlier(const Egomotion& motion, std::size_t track) {
   return track < motion.roles.size() && motion.roles[track] == TrackRole::kInlier;
 }
 
-// Where the filters expect the point, if that is any better than where it is measured.
-Eigen::Vector3d expected_px(const StereoCamera& camera, const RigPose& rig,
-                            const TrackFilter& filter, const Eigen::Vector3d& measured_px) {
-  if (filter.updates == 0 || filter.is_young()) return measured_px;
-  const Eigen::Vector3d P_m = rig.T_current_first * filter.position_m();
-  const double disparity_px = camera.fx_px * camera.baseline_m / P_m.z();
-  if (disparity_px < kLeastDepthShare * measured_px.z() ||
-      disparity_px > kMostDepthShare * measured_px.z()) {
-    return measured_px;
-  }
-  return project(camera, P_m);
+Eigen::Vector3d vector_of(const Lanes (&from)[3], std::size_t lane) {
+  return {from[0][lane], from[1][lane], from[2][lane]};
+}
+
+Eigen::Matrix3d matrix_of(const Lanes (&lower)[6], std::size_t lane) {
+  Eigen::Matrix3d M;
+  M << lower[0][lane], lower[1][lane], lower[3][lane],  //
+      lower[1][lane], lower[2][lane], lower[4][lane],   //
+      lower[3][lane], lower[4][lane], lower[5][lane];
+  return M;
 }
 
 }  // namespace
@@ -88,27 +83,20 @@ void FilterMethod::filter(const TrackSet& tracks, const Egomotion& motion) {
   now_ = motion.exposure;
   rig_ = RigPose(motion);
   filters_.align(tracks.tracks);
-  const MotionPrior motion_prior = prior();
-  standing_chi2_.clear();
   for (std::size_t i = 0; i < tracks.tracks.size(); ++i) {
     const Track& track = tracks.tracks[i];
-    filters_.prefetch(i + 1);
-    if (!track.has_current || !is_usable(tracks.camera, track.current, config_.max_depth_m)) {
-      continue;
-    }
-    TrackFilter& filter = filters_.of(i);
-    if (filter.updates > 0) filter.predict(motion_prior, now_);
-    const PointMeasurement measurement = measure(tracks.camera, track, filter);
-    if (filter.updates > 0) {
-      filter.update(measurement, motion_prior);
-      if (!filter.is_young() && is_inlier(motion, i)) {
-        standing_chi2_.push_back(filter.standing_chi2);
-      }
-    } else {
-      filter.start(measurement, motion_prior, now_);
-    }
-    filter.uvd_px = uvd(track.current);
-    PointSample point = sample(filter);
+    if (track.has_current && is_usable(tracks.camera, track.current, config_.max_depth_m))
+      measure(track, filters_.slot(i));
+  }
+  filters_.step(step_of(tracks.camera));
+  standing_chi2_.clear();
+  for (std::size_t i = 0; i < tracks.tracks.size(); ++i) {
+    const FilterSlot at = filters_.slot(i);
+    if (filters_.measurements(at).is_seen[at.lane] == 0.0) continue;
+    const FilterBlock& filters = filters_.filters(at);
+    if (filters.updates[at.lane] >= kLeastUpdates && is_inlier(motion, i))
+      standing_chi2_.push_back(filters.standing_chi2[at.lane]);
+    PointSample point = sample(at);
     point.track = i;
     if (point.velocity_mps.allFinite() && std::isfinite(point.chi2)) points_.push_back(point);
   }
@@ -129,48 +117,54 @@ MotionPrior FilterMethod::prior() const {
           .manoeuvre_hz = config_.manoeuvre_hz};
 }
 
-PointMeasurement FilterMethod::measure(const StereoCamera& camera, const Track& track,
-                                       const TrackFilter& filter) const {
-  const Eigen::Vector3d z_px = uvd(track.current);
-  const Eigen::Vector3d at_px = expected_px(camera, rig_, filter, z_px);
-  const Eigen::Matrix3d J = triangulate_jacobian(camera, at_px);
-  const Eigen::Matrix3d G = rig_.T_first_current.linear() * J;
-  Eigen::Matrix3d R_px2 = noise_.value() * covariance(track.current);
-  R_px2.diagonal().array() += config_.noise_floor_px * config_.noise_floor_px;
-
-  const double path_px = filter.updates > 0 ? (z_px - filter.uvd_px).norm() : 0.0;
-  const double stretch_px = config_.flow_error_share * path_px;
-  const double wander_px = std::sqrt(config_.walk_px * config_.walk_px + stretch_px * stretch_px) +
-                           (track.reanchored ? kReanchor_px : 0.0);
-
-  PointMeasurement m;
-  m.position_m = rig_.T_first_current * triangulate(camera, at_px);
-  m.covariance_m2.noalias() = G * R_px2 * G.transpose();
-  m.covariance_m2 += rig_.covariance_at(m.position_m - rig_.T_first_current.translation());
-  m.position_m.noalias() += G * (z_px - at_px);
-  const Eigen::Vector3d walk_px2{wander_px * wander_px, wander_px * wander_px,
-                                 stretch_px * stretch_px};
-  m.walk_m2.noalias() = G * walk_px2.asDiagonal() * G.transpose();
-  m.bias_m = config_.disparity_bias_px * G.col(2);
-  m.volume_m3 = std::abs(J.determinant());
-  return m;
+FilterStep FilterMethod::step_of(const StereoCamera& camera) const {
+  FilterStep step = filter_step(rig_, camera);
+  step.disparity_bias_px = config_.disparity_bias_px;
+  step.flow_error_share = config_.flow_error_share;
+  step.walk_px = config_.walk_px;
+  step.prior = prior();
+  step.now_ns = now_.count();
+  return step;
 }
 
-PointSample FilterMethod::sample(const TrackFilter& filter) const {
-  const Eigen::Matrix3d R = rig_.T_current_first.linear();
+void FilterMethod::measure(const Track& track, FilterSlot at) {
+  const StereoObservation& seen = track.current;
+  const auto& c = seen.covariance_px2;  // upper triangle
+  MeasurementBlock& out = filters_.measurements(at);
+  const auto set = [lane = at.lane](Lanes& lanes, double x) { lanes[lane] = x; };
+  set(out.is_seen, 1.0);
+  set(out.uvd_px[0], seen.u_px);
+  set(out.uvd_px[1], seen.v_px);
+  set(out.uvd_px[2], seen.disparity_px);
+  const double scale = noise_.value();
+  const double floor_px2 = config_.noise_floor_px * config_.noise_floor_px;
+  set(out.covariance_px2[0], scale * c[0] + floor_px2);
+  set(out.covariance_px2[1], scale * c[1]);
+  set(out.covariance_px2[2], scale * c[3] + floor_px2);
+  set(out.covariance_px2[3], scale * c[2]);
+  set(out.covariance_px2[4], scale * c[4]);
+  set(out.covariance_px2[5], scale * c[5] + floor_px2);
+  set(out.reanchored_px, track.reanchored ? kReanchor_px : 0.0);
+}
+
+PointSample FilterMethod::sample(FilterSlot at) const {
+  const std::size_t lane = at.lane;
+  const FilterBlock& filters = filters_.filters(at);
+  const PointBlock& points = filters_.points(at);
+  const double updates = filters.updates[lane];
+  const double evidence = filters.evidence[lane];
   PointSample point;
-  point.position_m = rig_.T_current_first * filter.position_m();
-  point.position_covariance_m2 = R * filter.moving.covariance.topLeftCorner<3, 3>() * R.transpose();
-  point.velocity_mps = R * filter.velocity_mps();
-  const Eigen::Matrix3d Cv = filter.moving.covariance.bottomRightCorner<3, 3>();
-  point.velocity_covariance_m2ps2 = R * Cv * R.transpose();
-  point.chi2 = filter.velocity_mps().dot(Cv.inverse() * filter.velocity_mps());
-  point.evidence = filter.evidence;
-  point.motion_probability = logistic(filter.evidence);
-  point.moves = filter.updates >= kLeastUpdates && filter.evidence > kMovingEvidence &&
-                point.chi2 > kMovingChi2 && filter.misfit < kMostMisfit;
-  point.stands = filter.updates >= kLeastUpdates && filter.evidence < 0.0;
-  point.pixel_px = filter.uvd_px.head<2>();
+  point.position_m = vector_of(points.position_m, lane);
+  point.position_covariance_m2 = matrix_of(points.position_covariance_m2, lane);
+  point.velocity_mps = vector_of(points.velocity_mps, lane);
+  point.velocity_covariance_m2ps2 = matrix_of(points.velocity_covariance_m2ps2, lane);
+  point.chi2 = points.chi2[lane];
+  point.evidence = evidence;
+  point.motion_probability = logistic(evidence);
+  point.moves = updates >= kLeastUpdates && evidence > kMovingEvidence &&
+                point.chi2 > kMovingChi2 && filters.misfit[lane] < kMostMisfit;
+  point.stands = updates >= kLeastUpdates && evidence < 0.0;
+  point.pixel_px = {filters.uvd_px[0][lane], filters.uvd_px[1][lane]};
   return point;
 }
 

@@ -29,9 +29,9 @@ class FilterMethod {
   void filter(const TrackSet& tracks, const Egomotion& motion);
   void follow_rig(const Egomotion& motion);
   [[nodiscard]] MotionPrior prior() const;
-  [[nodiscard]] PointMeasurement measure(const StereoCamera& camera, const Track& track,
-                                         const TrackFilter& filter) const;
-  [[nodiscard]] PointSample sample(const TrackFilter& filter) const;
+  [[nodiscard]] FilterStep step_of(const StereoCamera& camera) const;
+  void measure(const Track& track, FilterSlot at);
+  [[nodiscard]] PointSample sample(FilterSlot at) const;
   void report_points(const TrackSet& tracks, std::vector<PointMotion>& points) const;
   [[nodiscard]] PointState state_of(const PointSample& point) const;
 

@@ -4,8 +4,9 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "egomod/core/calibration.hpp"
 #include "egomod/core/egomotion.hpp"
-#include "egomod/core/geometry.hpp"
+#include "moving_objects/filter_kernels.hpp"
 
 namespace egomod {
 
@@ -21,17 +22,6 @@ struct RigPose {
     rotation_covariance = R * C.bottomRightCorner<3, 3>() * R.transpose();
   }
 
-  // Of a point at this offset from the camera, both in the first camera's axes: T * Exp(xi) moves
-  // it by R (rho + phi x P) = rho' - [offset]x phi'.
-  [[nodiscard]] Eigen::Matrix3d covariance_at(const Eigen::Vector3d& offset_m) const {
-    const Eigen::Matrix3d S = skew(offset_m);
-    const Eigen::Matrix3d CS = cross_covariance * S;
-    const Eigen::Matrix3d DS = rotation_covariance * S;
-    Eigen::Matrix3d C = translation_covariance + CS + CS.transpose();
-    C.noalias() -= S * DS;
-    return C;
-  }
-
   Eigen::Isometry3d T_first_current = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_current_first = Eigen::Isometry3d::Identity();
   // Of the motion since the previous pair, in the first camera's axes.
@@ -39,5 +29,8 @@ struct RigPose {
   Eigen::Matrix3d cross_covariance = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d rotation_covariance = Eigen::Matrix3d::Zero();
 };
+
+// The rig's share of what the kernels are told; noise, prior and time are the caller's.
+[[nodiscard]] FilterStep filter_step(const RigPose& rig, const StereoCamera& camera);
 
 }  // namespace egomod
