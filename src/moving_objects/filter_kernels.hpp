@@ -53,7 +53,8 @@ struct alignas(32) PointBlock {
   Lanes position_covariance_m2[6];
   Lanes velocity_mps[3];
   Lanes velocity_covariance_m2ps2[6];
-  Lanes chi2;  // of the velocity against rest, 3 degrees of freedom
+  Lanes chi2;                     // of the velocity against rest, 3 degrees of freedom
+  Lanes standing_residual_px[3];  // of (u, v, disparity) against where the standing point was due
 };
 
 struct MotionPrior {

@@ -41,10 +41,17 @@ Eigen::Matrix3d matrix_of(const Lanes (&lower)[6], std::size_t lane) {
   return M;
 }
 
+NoiseKey noise_key(const StereoCamera& camera, const Track& track) {
+  return {.depth_m = camera.fx_px * camera.baseline_m / track.current.disparity_px,
+          .texture = track.min_eigenvalue,
+          .age_pairs = static_cast<double>(track.age)};
+}
+
 }  // namespace
 
 FilterMethod::FilterMethod(const MovingObjectsConfig& config)
     : config_(config),
+      noise_model_(config.noise_floor_px),
       groups_(config),
       objects_(config, {.min_evidence = config.min_evidence,
                         .confirm_evidence = config.confirm_evidence,
@@ -70,6 +77,7 @@ void FilterMethod::detect(const TrackSet& tracks, const Egomotion& motion, Movin
   objects_.update(tracks.camera, points_, motion.status == EstimateStatus::kValid);
   objects_.report(objects.objects);
   report_points(tracks, objects.points);
+  noise_model_.report(objects.noise);
 }
 
 void FilterMethod::filter(const TrackSet& tracks, const Egomotion& motion) {
@@ -94,13 +102,32 @@ void FilterMethod::filter(const TrackSet& tracks, const Egomotion& motion) {
     const FilterSlot at = filters_.slot(i);
     if (filters_.measurements(at).is_seen[at.lane] == 0.0) continue;
     const FilterBlock& filters = filters_.filters(at);
-    if (filters.updates[at.lane] >= kLeastUpdates && is_inlier(motion, i))
+    if (filters.updates[at.lane] >= kLeastUpdates && is_inlier(motion, i)) {
       standing_chi2_.push_back(filters.standing_chi2[at.lane]);
+      learn_noise(tracks.camera, tracks.tracks[i], at);
+    }
     PointSample point = sample(at);
     point.track = i;
     if (point.velocity_mps.allFinite() && std::isfinite(point.chi2)) points_.push_back(point);
   }
   noise_.learn(standing_chi2_);
+  noise_model_.learn(to_seconds(motion.exposure - motion.previous_exposure));
+}
+
+// Where the point was due errs too, as the mean of what went before: variances grow by that share.
+void FilterMethod::learn_noise(const StereoCamera& camera, const Track& track, FilterSlot at) {
+  const FilterBlock& filters = filters_.filters(at);
+  if (track.reanchored || filters.evidence[at.lane] >= 0.0) return;
+  const double before = filters.updates[at.lane] - 1.0;
+  const double shrink = std::sqrt(before / (before + 1.0));
+  const Lanes(&r_px)[3] = filters_.points(at).standing_residual_px;
+  const auto& c = track.current.covariance_px2;
+  noise_model_.add(noise_key(camera, track), {.u_px = shrink * r_px[0][at.lane],
+                                              .v_px = shrink * r_px[1][at.lane],
+                                              .disparity_px = shrink * r_px[2][at.lane],
+                                              .variance_u_px2 = c[0],
+                                              .variance_v_px2 = c[3],
+                                              .variance_disparity_px2 = c[5]});
 }
 
 void FilterMethod::follow_rig(const Egomotion& motion) {

@@ -9,6 +9,7 @@
 #include "egomod/moving_objects/moving_objects_config.hpp"
 #include "moving_objects/filter_bank.hpp"
 #include "moving_objects/motion_groups.hpp"
+#include "moving_objects/noise_model.hpp"
 #include "moving_objects/noise_scale.hpp"
 #include "moving_objects/object_table.hpp"
 #include "moving_objects/point_sample.hpp"
@@ -31,6 +32,7 @@ class FilterMethod {
   [[nodiscard]] MotionPrior prior() const;
   [[nodiscard]] FilterStep step_of(const StereoCamera& camera) const;
   void measure(const Track& track, FilterSlot at);
+  void learn_noise(const StereoCamera& camera, const Track& track, FilterSlot at);
   [[nodiscard]] PointSample sample(FilterSlot at) const;
   void report_points(const TrackSet& tracks, std::vector<PointMotion>& points) const;
   [[nodiscard]] PointState state_of(const PointSample& point) const;
@@ -45,6 +47,7 @@ class FilterMethod {
   std::vector<PointSample> points_;
   std::vector<double> standing_chi2_;
   NoiseScale noise_;
+  NoiseModel noise_model_;
   MotionGroups groups_;
   ObjectTable objects_;
 };

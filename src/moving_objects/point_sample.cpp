@@ -97,6 +97,8 @@ void begin(const TrackSet& tracks, const Egomotion& motion, MovingObjects& objec
   objects.has_run = motion.status != EstimateStatus::kSkipped;
   objects.objects.clear();
   objects.objects.reserve(kReservedObjects);
+  objects.noise.clear();
+  objects.noise.reserve(kReservedNoiseBins);
   objects.points.clear();
   objects.points.reserve(std::max(kReservedTracks, tracks.tracks.size()));
 }

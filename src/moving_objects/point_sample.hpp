@@ -17,6 +17,7 @@ namespace egomod {
 // More only cost an allocation, once.
 inline constexpr std::size_t kReservedTracks = 2048;
 inline constexpr std::size_t kReservedObjects = 64;
+inline constexpr std::size_t kReservedNoiseBins = 32;
 
 // One track measured in two pairs, seen from the later one (left camera axes).
 struct PointSample {

@@ -119,6 +119,20 @@ const PointMotion* find(const MotionsById& motions, std::uint64_t track_id) {
   return at != motions.end() && (*at)->track_id == track_id ? *at : nullptr;
 }
 
+noise_t noise_message(const NoiseBin& bin) {
+  noise_t message{};
+  message.depth_min = bin.least_depth_m;
+  message.depth_max = bin.most_depth_m;
+  message.rich = bin.is_rich ? 1 : 0;
+  message.old = bin.is_old ? 1 : 0;
+  message.weight = bin.weight;
+  message.pixel_factor = bin.pixel_factor;
+  message.disparity_factor = bin.disparity_factor;
+  message.pixel_sigma = bin.pixel_sigma_px;
+  message.disparity_sigma = bin.disparity_sigma_px;
+  return message;
+}
+
 }  // namespace
 
 int fill_message(const Frame& frame, object_list_t& message) {
@@ -163,7 +177,11 @@ int fill_message(const Frame& frame, track_list_t& message) {
       ++left_out;
     }
   }
+  message.max_tracks = frame.tracks.max_tracks;
   message.n_tracks = static_cast<std::int32_t>(message.tracks.size());
+  message.noise.clear();
+  for (const NoiseBin& bin : frame.objects.noise) message.noise.push_back(noise_message(bin));
+  message.n_noise = static_cast<std::int32_t>(message.noise.size());
   return left_out;
 }
 

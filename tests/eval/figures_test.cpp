@@ -5,10 +5,14 @@
 
 #include <cmath>
 #include <filesystem>
+#include <random>
+#include <string>
+#include <vector>
 
 #include "consistency.hpp"
 #include "figure_tables.hpp"
 #include "kitti_writer.hpp"
+#include "noise.hpp"
 #include "points.hpp"
 #include "statistics.hpp"
 
@@ -151,6 +155,45 @@ TEST_F(MaskedPoints, BelongToWhatTheirPixelShows) {
 TEST_F(MaskedPoints, AtEdgesAreLeftOutWithoutDepth) {
   std::filesystem::remove_all(folder_ / "depth_0");
   EXPECT_EQ(score_points(truth_, {point(150, 5.0, 1.0, true)}, 1).left_out, 1);
+}
+
+// A wall at 9 m before a rig that rests: each track keeps an error of its own, and one varies.
+TEST_F(MaskedPoints, AtRestShowWhatTheirPlacesAndDisparitiesErr) {
+  constexpr double kVarying_px = 0.2, kKept_px = 0.3;
+  truth_.focal_px = 500.0;
+  truth_.baseline_m = 0.4;
+  truth_.times_s.assign(30, 0.0);
+  truth_.poses.assign(30, {});
+  Record record{.estimate = {}, .poses = {}, .processed = {}, .points = {{}}, .noise = {}};
+  record.noise[{8.0, 16.0}] = {.pixel_px2 = 0.02, .disparity_px2 = 0.08, .weight = 2.0};
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  for (int frame = 1; frame < 30; ++frame) {
+    truth_.poses[static_cast<std::size_t>(frame)].frame = frame;
+    for (const char* name : {"mask_0", "depth_0"}) {
+      const std::string to =
+          std::string(name) + "/0000" + (frame < 10 ? "0" : "") + std::to_string(frame) + ".png";
+      if (frame > 1) std::filesystem::copy_file(folder_ / name / "000001.png", folder_ / to);
+    }
+    for (int track = 1; track <= 100; ++track) {
+      PointEvidence seen = point(200.0 + kVarying_px * normal(random), 9.0, 0.0, false);
+      seen.frame = frame;
+      seen.track = track;
+      seen.v_px += kVarying_px * normal(random);
+      seen.disparity_px = 500.0 * 0.4 / 9.0 + kVarying_px * normal(random) +
+                          (track % 2 == 0 ? kKept_px : -kKept_px);
+      record.points->push_back(seen);
+    }
+  }
+  const std::vector<NoiseFigures> figures = score_noise(truth_, record, 1);
+  ASSERT_EQ(figures.size(), 1U);
+  EXPECT_NEAR(figures[0].learnt.disparity_px, 0.2, kExact);
+  EXPECT_NEAR(figures[0].learnt.pixel_px, 0.1, kExact);
+  EXPECT_NEAR(figures[0].varying.disparity_px, kVarying_px, 0.02);
+  EXPECT_NEAR(figures[0].varying.pixel_px, kVarying_px, 0.02);
+  EXPECT_GT(figures[0].whole.disparity_px, 1.5 * kVarying_px);
+  EXPECT_NEAR(figures[0].whole.pixel_px, std::sqrt(2.0) * kVarying_px, 0.03)
+      << "the place of the first sight errs too";
 }
 
 TEST_F(MaskedPoints, NameTheMaskThatIsMissing) {

@@ -65,6 +65,7 @@ inline constexpr double kFadePerS = 1.35;  // a standing point's certainty, for 
 inline constexpr double kAccelerationTime_s = 1.0 / 30.0;  // how long an acceleration lasts
 inline constexpr double kFresh_s = 2.0;
 inline constexpr double kNearBound = 0.5;
+inline constexpr double kSurpriseChi2 = 16.27;
 
 struct Fit {
   double chi2 = 0.0;
@@ -127,6 +128,18 @@ inline void learn_velocity_anew(TrackFilter& f, const MotionPrior& prior, Nanose
   f.fresh = now;
 }
 
+inline void move_from_here(TrackFilter& f, const PointMeasurement& measurement,
+                           const MotionPrior& prior) {
+  f.moving.state << measurement.position_m, Eigen::Vector3d::Zero();
+  f.moving.covariance.setZero();
+  f.moving.covariance.topLeftCorner<3, 3>() =
+      measurement.covariance_m2 + measurement.bias_m * measurement.bias_m.transpose();
+  f.moving.covariance.diagonal().tail<3>().setConstant(prior.velocity_mps * prior.velocity_mps);
+  f.moving.bias_covariance << -measurement.bias_m, Eigen::Vector3d::Zero();
+  f.misfit = kFittingChi2;
+  f.fresh = f.seen;
+}
+
 inline void stand_where_it_is(TrackFilter& f) {
   f.standing.state = f.moving.state.head<3>();
   f.standing.covariance = f.moving.covariance.topLeftCorner<3, 3>();
@@ -187,6 +200,8 @@ inline void TrackFilter::update(const PointMeasurement& measurement, const Motio
   standing_chi2 = stands.chi2;
   misfit += (1.0 - kMisfitMemory) * (std::min(moves.chi2, kMostMisfit) - misfit);
   ++updates;
+  if (evidence < 0.0 && updates >= 3 && std::min(moves.chi2, stands.chi2) > kSurpriseChi2)
+    move_from_here(*this, measurement, prior);
   if (evidence > kMostEvidence - kNearBound) stand_where_it_is(*this);
   if (misfit > 4.0 * kFittingChi2) {  // fits neither: a mismatch, or another surface
     evidence = std::min(evidence, 0.0);

@@ -153,9 +153,17 @@ TEST(ObjectMessage, LeavesOutWhatIsNotFinite) {
 TEST(TrackMessage, JoinsTracksWithTheirRoleAndMotion) {
   Frame frame = test::some_frame(2);
   frame.tracks.tracks.emplace_back();  // not seen in this pair
+  frame.tracks.max_tracks = 700;
+  frame.objects.noise = {
+      {.least_depth_m = 2.0, .most_depth_m = 4.0, .is_rich = true, .disparity_sigma_px = 0.25}};
   track_list_t list{};
   EXPECT_EQ(fill_message(frame, list), 0);
   ASSERT_EQ(list.n_tracks, 2);
+  EXPECT_EQ(list.max_tracks, 700);
+  ASSERT_EQ(list.n_noise, 1);
+  EXPECT_EQ(list.noise[0].depth_max, 4.0);
+  EXPECT_TRUE(list.noise[0].rich != 0);
+  EXPECT_EQ(list.noise[0].disparity_sigma, 0.25);
   EXPECT_EQ(list.tracks[0].role, track_t::ROLE_INLIER);
   EXPECT_EQ(list.tracks[0].state, track_t::STATE_UNKNOWN);
   EXPECT_EQ(list.tracks[1].state, track_t::STATE_MOVING);

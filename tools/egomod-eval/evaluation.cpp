@@ -41,6 +41,7 @@ void score_record(const Record& record, const DetectionOptions& options, Evaluat
   } else if (e.truth.objects) {
     e.points = score_points(e.truth, *record.points, options.first_frame);
   }
+  e.noise = score_noise(e.truth, record, options.first_frame);
   if (e.latency_ms.empty())
     e.notes.push_back("The record holds no EGOMOD_TIMING (--record-timing): no latency.");
 }

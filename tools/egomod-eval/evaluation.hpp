@@ -3,6 +3,7 @@
 
 #include "consistency.hpp"
 #include "detection.hpp"
+#include "noise.hpp"
 #include "odometry.hpp"
 #include "points.hpp"
 #include "record.hpp"
@@ -32,6 +33,7 @@ struct Evaluation {
   std::optional<DetectionFigures> detection;
   std::optional<ConsistencyFigures> consistency;
   std::optional<PointFigures> points;
+  std::vector<NoiseFigures> noise;  // by depth
   std::map<std::string, Summary> latency_ms;
   std::vector<std::string> notes;  // what could not be evaluated, and why; what looks wrong
 };

@@ -167,6 +167,21 @@ FigureTable latency_table(const std::map<std::string, Summary>& latency_ms) {
   return table;
 }
 
+FigureTable noise_table(const std::vector<NoiseFigures>& noise) {
+  FigureTable table{"Noise of tracks at rest by depth, sigma in px",
+                    {"depth, m", "n", "disparity: learnt", "true, varying", "true, whole",
+                     "left position: learnt", "true, varying", "true, whole"},
+                    {}};
+  for (const NoiseFigures& f : noise) {
+    table.rows.push_back(
+        {f.to_m > 0.0 ? fmt::format("{:g}-{:g}", f.from_m, f.to_m) : fmt::format("{:g}-", f.from_m),
+         count(f.observations), number(f.learnt.disparity_px, 3), number(f.varying.disparity_px, 3),
+         number(f.whole.disparity_px, 3), number(f.learnt.pixel_px, 3),
+         number(f.varying.pixel_px, 3), number(f.whole.pixel_px, 3)});
+  }
+  return table;
+}
+
 FigureTable point_table(const PointFigures& p) {
   return {"Points that move",
           {"figure", "value"},
@@ -295,6 +310,7 @@ std::vector<FigureTable> figure_tables(const Evaluation& e) {
     if (!e.detection->objects.empty()) tables.push_back(object_table(*e.detection));
   }
   if (e.points) tables.push_back(point_table(*e.points));
+  if (!e.noise.empty()) tables.push_back(noise_table(e.noise));
   if (e.consistency) tables.push_back(consistency_table(*e.consistency));
   if (!e.latency_ms.empty()) tables.push_back(latency_table(e.latency_ms));
   return tables;

@@ -189,6 +189,17 @@ std::string of(const PointFigures& p) {
   return json.text();
 }
 
+std::string of(const NoisePair& pair) {
+  return Object().add("left_position", pair.pixel_px).add("disparity", pair.disparity_px).text();
+}
+
+std::string of(const NoiseFigures& f) {
+  Object json;
+  json.add("from_m", f.from_m).add("to_m", f.to_m).add("observations", f.observations);
+  json.add_json("learnt_px", of(f.learnt)).add_json("true_varying_px", of(f.varying));
+  return json.add_json("true_whole_px", of(f.whole)).text();
+}
+
 std::string of(const ConsistencyFigures& c) {
   return Object()
       .add_json("pair", of(c.pair))
@@ -207,6 +218,9 @@ std::string of(const Evaluation& e) {
   if (e.odometry) json.add_json("odometry", of(*e.odometry));
   if (e.detection) json.add_json("detection", of(*e.detection));
   if (e.points) json.add_json("points", of(*e.points));
+  std::vector<std::string> noise;
+  for (const NoiseFigures& figures : e.noise) noise.push_back(of(figures));
+  if (!noise.empty()) json.add_json("noise", array_of(noise));
   if (e.consistency) json.add_json("nees", of(*e.consistency));
   Object latency;
   for (const auto& [stage, summary] : e.latency_ms)

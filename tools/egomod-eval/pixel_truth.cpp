@@ -67,6 +67,27 @@ void PixelTruth::load(int frame) {
   frame_ = frame;
 }
 
+// Inverse depth is linear on a plane.
+std::optional<double> PixelTruth::resting_depth_at(int frame, double u_px, double v_px) {
+  constexpr double kMostStep = 0.02;  // of the inverse depth, from pixel to pixel: an edge
+  load(frame);
+  const int u = static_cast<int>(std::floor(u_px));
+  const int v = static_cast<int>(std::floor(v_px));
+  if (u < 0 || v < 0 || u + 1 >= width_px_ || v + 1 >= height_px_) return std::nullopt;
+  double least = 1e9, most = 0.0, sum = 0.0;
+  for (int y = v; y <= v + 1; ++y) {
+    for (int x = u; x <= u + 1; ++x) {
+      const auto i = static_cast<std::size_t>(y * width_px_ + x);
+      if (ids_[i] != 0 || depth_mm_[i] == 0) return std::nullopt;
+      const double inverse = 1e3 / depth_mm_[i];
+      least = std::min(least, inverse);
+      most = std::max(most, inverse);
+      sum += inverse * (1.0 - std::abs(u_px - x)) * (1.0 - std::abs(v_px - y));
+    }
+  }
+  return most > (1.0 + kMostStep) * least ? std::nullopt : std::optional(1.0 / sum);
+}
+
 std::optional<int> PixelTruth::object_at(const PointEvidence& point) {
   load(point.frame);
   const int u = static_cast<int>(std::lround(point.u_px));

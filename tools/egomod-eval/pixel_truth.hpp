@@ -20,6 +20,9 @@ class PixelTruth {
   // The object, 0 for what rests for ever, that the point lies on. Nothing where its neighbours
   // belong to several, and its depth is not that of exactly one of them. Throws InputError.
   [[nodiscard]] std::optional<int> object_at(const PointEvidence& point);
+  // Depth of what rests for ever there, between the four pixels around it. Nothing at edges, on
+  // objects and without depth_0. Throws InputError.
+  [[nodiscard]] std::optional<double> resting_depth_at(int frame, double u_px, double v_px);
 
  private:
   explicit PixelTruth(std::filesystem::path folder, bool has_depth)

@@ -179,6 +179,29 @@ std::optional<Figure> roc(const PointFigures& points) {
               kLeastRate)};
 }
 
+// Steps over the ranges of depth.
+std::optional<Figure> noise(const std::vector<NoiseFigures>& figures, const char* caption,
+                            const char* label, double NoisePair::*sigma) {
+  if (figures.empty()) return std::nullopt;
+  FigureData data("noise");
+  double to_m = 0.0;
+  for (const NoiseFigures& f : figures) {
+    to_m = f.to_m > 0.0 ? f.to_m : 2.0 * f.from_m;
+    for (const double depth_m : {f.from_m, to_m})
+      data.row(depth_m, f.learnt.*sigma, f.varying.*sigma, f.whole.*sigma);
+  }
+  return Figure{
+      caption,
+      data.text() +
+          fmt::format("set xlabel 'depth [m]'\nset ylabel '{}'\nset yrange [0:*]\n"
+                      "set xrange [0:{}]\nset key top left\n"
+                      "plot $noise using 1:4 with lines lw 5 lc rgb '#c8ccd1' title 'true, whole', "
+                      "$noise using 1:3 with lines lw 2.5 lc rgb '#24292f' title 'true, without "
+                      "what a track keeps', "
+                      "$noise using 1:2 with lines lw 2.5 lc rgb '#1f6feb' title 'learnt'\n",
+                      label, to_m)};
+}
+
 std::vector<Figure> figures_of(const Evaluation& e) {
   std::vector<Figure> figures;
   const auto add = [&](std::optional<Figure> figure) {
@@ -199,6 +222,10 @@ std::vector<Figure> figures_of(const Evaluation& e) {
         [](const Match& m) { return (m.estimate.velocity_mps - m.truth.velocity_mps).norm(); }));
   }
   if (e.points) add(roc(*e.points));
+  add(noise(e.noise, "Noise of disparities by depth", "sigma of a disparity [px]",
+            &NoisePair::disparity_px));
+  add(noise(e.noise, "Noise of left positions by depth", "sigma along an axis [px]",
+            &NoisePair::pixel_px));
   return figures;
 }
 

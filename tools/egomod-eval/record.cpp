@@ -121,7 +121,15 @@ class Evidence {
                                  .v_px = track.v,
                                  .depth_m = depth_times_disparity_ / track.disparity,
                                  .speed_mps = velocity_mps.norm(),
-                                 .moving = track.state == track_t::STATE_MOVING});
+                                 .moving = track.state == track_t::STATE_MOVING,
+                                 .track = track.id,
+                                 .disparity_px = track.disparity});
+    }
+    for (const noise_t& noise : list.noise) {
+      LearntNoise& learnt = record_.noise[{noise.depth_min, noise.depth_max}];
+      learnt.weight += noise.weight;
+      learnt.pixel_px2 += noise.weight * noise.pixel_sigma * noise.pixel_sigma;
+      learnt.disparity_px2 += noise.weight * noise.disparity_sigma * noise.disparity_sigma;
     }
   }
 
@@ -150,8 +158,11 @@ class Evidence {
 Record read_record(const std::string& log) {
   const TemporaryFolder folder;
   log::export_log(log, folder.path());  // also refuses what is no record
-  Record record{
-      .estimate = read_result(folder.path()), .poses = {}, .processed = {}, .points = std::nullopt};
+  Record record{.estimate = read_result(folder.path()),
+                .poses = {},
+                .processed = {},
+                .points = std::nullopt,
+                .noise = {}};
   Evidence(log, record).run();
   return record;
 }

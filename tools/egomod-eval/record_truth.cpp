@@ -45,6 +45,7 @@ class TruthOfRecord {
       T_camera_body_ = calibration_from(message).T_body_camera.inverse();
       truth_.focal_px = message.fx;
       truth_.cx_px = message.cx;
+      truth_.cy_px = message.cy;
       truth_.baseline_m = message.baseline;
     } else if (event.channel == "SIM_TRUTH_POSE") {
       truth_pose_t message{};

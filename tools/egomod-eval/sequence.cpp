@@ -175,6 +175,7 @@ void read_calibration(const fs::path& file, Truth& truth) {
     }
     truth.focal_px = P[0];
     truth.cx_px = P[2];
+    truth.cy_px = P[6];
     truth.baseline_m = -P[3] / P[0];
     return;
   }

@@ -64,6 +64,7 @@ struct Truth {
   std::optional<ByFrame<TruthObject>> objects;  // nothing: unknown
   double focal_px = 0.0;                        // read where objects are
   double cx_px = 0.0;
+  double cy_px = 0.0;
   double baseline_m = 0.0;
 
   [[nodiscard]] int frames() const { return static_cast<int>(times_s.size()); }

@@ -51,12 +51,26 @@ struct MovingObject {
   double motion_probability = 0.0;
 };
 
+// What tracks of one sort err, learnt from the residuals of those that stand.
+struct NoiseBin {
+  double least_depth_m = 0.0;
+  double most_depth_m = 0.0;  // 0: no limit
+  bool is_rich = false;       // their texture is more than the median's
+  bool is_old = false;        // followed for 10 pairs or more
+  double weight = 0.0;        // observations that it rests on, older ones count less
+  double pixel_factor = 1.0;  // on the variances that the features stage states
+  double disparity_factor = 1.0;
+  double pixel_sigma_px = 0.0;  // of a left position along each axis
+  double disparity_sigma_px = 0.0;
+};
+
 struct MovingObjects {
   std::uint64_t sequence = 0;
   Nanoseconds exposure{0};
   bool has_run = false;  // false: the pair was skipped, no object message is recorded
   std::vector<MovingObject> objects;
   std::vector<PointMotion> points;  // tracks with an opinion; may be empty
+  std::vector<NoiseBin> noise;      // may be empty
 };
 
 }  // namespace egomod
