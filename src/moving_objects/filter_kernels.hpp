@@ -35,6 +35,7 @@ struct alignas(32) FilterBlock {
   Lanes misfit;         // running mean of the moving model's chi-square, 3 for one that fits
   Lanes standing_chi2;  // of the last update
   Lanes updates;        // 0: never seen
+  Lanes stood;          // not 0: the moving model has learnt to rest
   std::int64_t seen_ns[kFilterLanes];
   std::int64_t fresh_ns[kFilterLanes];  // since when the moving model has learnt its velocity
 };

@@ -185,6 +185,9 @@ PointSample FilterMethod::sample(FilterSlot at) const {
   point.position_covariance_m2 = matrix_of(points.position_covariance_m2, lane);
   point.velocity_mps = vector_of(points.velocity_mps, lane);
   point.velocity_covariance_m2ps2 = matrix_of(points.velocity_covariance_m2ps2, lane);
+  point.stood = filters.stood[lane] != 0.0;
+  const Nanoseconds learnt{filters.seen_ns[lane] - filters.fresh_ns[lane]};
+  point.learnt_s = point.stood ? 0.0 : to_seconds(learnt);
   point.chi2 = points.chi2[lane];
   point.evidence = evidence;
   point.motion_probability = logistic(evidence);

@@ -14,13 +14,22 @@ constexpr double kAlongShare = 0.7;
 constexpr double kAcrossShare = 0.1;
 constexpr double kLeadShare = 0.3;  // of the change: more of it adds more noise than it takes lag
 
+// Of the velocity of what stood: by so much it may be behind when it first shows.
+constexpr double kBehind = 2.0;
+constexpr double kAgeing = 2.0;  // in the time that it took
+
 }  // namespace
 
-void Manoeuvre::follow(const Eigen::Vector3d& velocity_mps, Nanoseconds now) {
-  const bool first = now_ < Nanoseconds{0};
-  const double elapsed_s = first ? 0.0 : to_seconds(now - now_);
+void Manoeuvre::follow(const Eigen::Vector3d& velocity_mps, Nanoseconds now,
+                       const MotionStart& start) {
+  const bool anew = now_ < Nanoseconds{0} || to_seconds(now - now_) > kUnrestMemory_s;
+  const double elapsed_s = anew ? 0.0 : to_seconds(now - now_);
   now_ = now;
-  if (first) slow_mps_ = velocity_mps;
+  if (anew) {
+    begun_ = now;
+    start_ = start;
+    slow_mps_ = velocity_mps;
+  }
   slow_mps_ -= std::expm1(-elapsed_s / kMemory_s) * (velocity_mps - slow_mps_);
   change_mps_ = velocity_mps - slow_mps_;
   unrest_m2ps2_ -= std::expm1(-elapsed_s / kUnrestMemory_s) *
@@ -36,8 +45,17 @@ void Manoeuvre::rotate(const Eigen::Matrix3d& R_to_from) {
 Eigen::Vector3d Manoeuvre::lead_mps() const { return kLeadShare * change_mps_; }
 
 Eigen::Matrix3d Manoeuvre::covariance_m2ps2() const {
-  const Eigen::Matrix3d along = change_mps_ * change_mps_.transpose() + unrest_m2ps2_;
+  const Eigen::Vector3d velocity_mps = slow_mps_ + change_mps_;
+  const double age_s = to_seconds(now_ - begun_);
+  const double behind = kBehind * kBehind * start_.stood_share * std::exp(-2.0 * age_s / kMemory_s);
+  const Eigen::Matrix3d along = change_mps_ * change_mps_.transpose() + unrest_m2ps2_ +
+                                behind * velocity_mps * velocity_mps.transpose();
   return kAlongShare * along + kAcrossShare * along.trace() * Eigen::Matrix3d::Identity();
+}
+
+double Manoeuvre::youth() const {
+  const double age_s = to_seconds(now_ - begun_);
+  return start_.learnt_s > 0.0 ? std::exp(-kAgeing * age_s / start_.learnt_s) : 0.0;
 }
 
 }  // namespace egomod

@@ -7,20 +7,31 @@
 
 namespace egomod {
 
+// How a velocity came to be known that is the first to be followed.
+struct MotionStart {
+  double stood_share = 0.0;  // of the points: their velocity may be far behind
+  double learnt_s = 0.0;     // how long the points have learnt it
+};
+
 // How an object's velocity changes. Filters lag behind a change, and how far one has come of late
 // tells how far they are behind: this leads the velocity, and owns up to what may still be wrong.
 class Manoeuvre {
  public:
-  // The velocity as measured in this pair; the first one starts anew.
-  void follow(const Eigen::Vector3d& velocity_mps, Nanoseconds now);
+  // The velocity as measured in this pair; the first one, or one long after the last, starts anew.
+  void follow(const Eigen::Vector3d& velocity_mps, Nanoseconds now, const MotionStart& start = {});
   // To other axes.
   void rotate(const Eigen::Matrix3d& R_to_from);
 
   [[nodiscard]] Eigen::Vector3d lead_mps() const;  // to be added to the velocity
   [[nodiscard]] Eigen::Matrix3d covariance_m2ps2() const;
+  // What has just been found has been because the errors of its points agreed. From 1, falls in
+  // about the time that it took to find it.
+  [[nodiscard]] double youth() const;
 
  private:
   Nanoseconds now_{-1};
+  Nanoseconds begun_{-1};
+  MotionStart start_;
   Eigen::Vector3d slow_mps_ = Eigen::Vector3d::Zero();      // the velocity, of late
   Eigen::Vector3d change_mps_ = Eigen::Vector3d::Zero();    // from there to this pair's
   Eigen::Matrix3d unrest_m2ps2_ = Eigen::Matrix3d::Zero();  // mean square of changes

@@ -34,6 +34,7 @@ constexpr double kLimbSpan_m = 0.4;   // beside the trunk
 constexpr double kLimbDepth_m = 0.5;
 // Error of a surface's centre by its size, however many points show it.
 constexpr double kShapeShare = 0.04;
+constexpr double kYoungVariance = 9.0;  // of a velocity just found, above that of a known one
 constexpr std::size_t kLeastPoints = MotionGroups::kLeastPoints;
 
 // Few points show the outline of a surface badly, and many not exactly.
@@ -55,6 +56,16 @@ bool move_as_one(const MovingObject& a, const MovingObject& b) {
   const Eigen::Matrix3d S = a.velocity_covariance_m2ps2 + b.velocity_covariance_m2ps2 +
                             slack_mps * slack_mps / kPartChi2 * Eigen::Matrix3d::Identity();
   return dv.dot(S.inverse() * dv) < kPartChi2;
+}
+
+MotionStart start_of(std::span<const PointSample> points, Members members) {
+  MotionStart start;
+  const auto count = static_cast<double>(members.size());
+  for (const auto i : members) {
+    start.stood_share += (points[i].stood ? 1.0 : 0.0) / count;
+    start.learnt_s += points[i].learnt_s / count;
+  }
+  return start;
 }
 
 }  // namespace
@@ -377,12 +388,13 @@ void ObjectTable::measure_motion(std::span<const PointSample> points, Tracked& t
   if (trunk.empty()) return;
   const BodyMotion body =
       fit_body_motion(points, trunk, object.position_m, config_.error_correlation);
-  tracked.manoeuvre.follow(body.velocity_mps, now_);
+  tracked.manoeuvre.follow(body.velocity_mps, now_, start_of(points, trunk));
   object.velocity_mps = body.velocity_mps + tracked.manoeuvre.lead_mps();
   object.angular_velocity_radps = body.angular_velocity_radps;
   // Where a turning body is not quite where it is thought to be, another part of it is.
   const Eigen::Matrix3d lever = skew(body.angular_velocity_radps);
-  object.velocity_covariance_m2ps2 = body.velocity_covariance_m2ps2 +
+  const double youth = 1.0 + kYoungVariance * tracked.manoeuvre.youth();
+  object.velocity_covariance_m2ps2 = youth * body.velocity_covariance_m2ps2 +
                                      tracked.manoeuvre.covariance_m2ps2() +
                                      lever * object.position_covariance_m2 * lever.transpose();
 }

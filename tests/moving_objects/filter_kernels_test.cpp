@@ -91,6 +91,7 @@ class FilterTwins {
     near("updates", block_.updates[lane], twin.updates);
     near("evidence", block_.evidence[lane], twin.evidence);
     near("misfit", block_.misfit[lane], twin.misfit);
+    near("stood", block_.stood[lane], twin.stood ? 1.0 : 0.0);
     near("fresh", static_cast<double>(block_.fresh_ns[lane]),
          static_cast<double>(twin.fresh.count()));
     if (twin.updates > 1) near("chi2", block_.standing_chi2[lane], twin.standing_chi2);

@@ -227,7 +227,10 @@ TEST_F(Filter, WhatStartsAfterOneSecondOfRestIsFoundAtOnce) {
   turn(pair - 1, 300, {0.5, 0.0, 0.0});
   for (; pair < 34; ++pair) run(pair);
   ASSERT_EQ(moving(), 1);
-  EXPECT_NEAR(objects.objects.front().velocity_mps.x(), 0.5, 0.1);
+  const MovingObject& object = objects.objects.front();
+  const Eigen::Vector3d error_mps = object.velocity_mps - Eigen::Vector3d(0.5, 0.0, 0.0);
+  EXPECT_LT(error_mps.norm(), 0.1);
+  EXPECT_LT(error_mps.dot(object.velocity_covariance_m2ps2.ldlt().solve(error_mps)), 11.34);
 }
 
 TEST_F(Filter, EchoOfRepeatedTextureIsNoObject) {

@@ -42,6 +42,41 @@ TEST(Manoeuvre, CalmsDownAfterwards) {
   EXPECT_LT(manoeuvre.covariance_m2ps2()(0, 0), 0.05 * then);
 }
 
+TEST(Manoeuvre, VelocityOfWhatStoodMayBeFarBehindAtFirst) {
+  Manoeuvre manoeuvre;
+  for (int k = 0; k < 16; ++k) {
+    manoeuvre.follow({0.0, 0.0, 0.2}, k * 33ms, {.stood_share = 1.0});
+    const double sigma_mps = std::sqrt(manoeuvre.covariance_m2ps2()(2, 2));
+    if (k == 0) {
+      EXPECT_GT(sigma_mps, 0.15);
+    }
+    if (k == 15) {
+      EXPECT_LT(sigma_mps, 0.02);
+    }
+    EXPECT_LT(manoeuvre.lead_mps().norm(), kNothing);
+  }
+}
+
+TEST(Manoeuvre, IsYoungForAboutAsLongAsItWasSought) {
+  const auto youth_after = [](Nanoseconds age, double learnt_s) {
+    Manoeuvre manoeuvre;
+    manoeuvre.follow({0.4, 0.0, 0.0}, 0ms, {.learnt_s = learnt_s});
+    manoeuvre.follow({0.4, 0.0, 0.0}, age, {});
+    return manoeuvre.youth();
+  };
+  EXPECT_NEAR(youth_after(0ms, 0.4), 1.0, kNothing);
+  EXPECT_LT(youth_after(400ms, 0.4), 0.2);
+  EXPECT_GT(youth_after(100ms, 0.4), youth_after(100ms, 0.1));
+}
+
+TEST(Manoeuvre, StartsAnewAfterALongTimeUnseen) {
+  Manoeuvre manoeuvre;
+  manoeuvre.follow({0.4, 0.0, 0.0}, 0ms);
+  manoeuvre.follow({-0.4, 0.0, 0.0}, 1000ms);
+  EXPECT_LT(manoeuvre.lead_mps().norm(), kNothing);
+  EXPECT_LT(manoeuvre.covariance_m2ps2().norm(), kNothing);
+}
+
 TEST(Manoeuvre, TurnsWithTheCamera) {
   Manoeuvre manoeuvre;
   for (int k = 0; k < 10; ++k) manoeuvre.follow({0.1 * k, 0.0, 0.0}, k * 33ms);

@@ -90,6 +90,31 @@ TEST(ObjectHonesty, SteadyVelocityErrsAsItsCovarianceSays) {
   EXPECT_LT(mean.velocity, 1.4);
 }
 
+// Of an object that leaves along the line of sight, in the first pair in which it is MOVING.
+double mean_nees_when_found(double rest_s) {
+  const Eigen::Vector3d velocity_mps{0.0, 0.0, 0.4};
+  double mean = 0.0;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    Scene scene(seed, 40, rest_s > 0.0 ? Eigen::Vector3d::Zero() : velocity_mps);
+    int pair = 0;
+    for (; scene.world.time_s(pair) < rest_s; ++pair) scene.see(pair);
+    scene.move_on(pair, [&](const auto&) { return velocity_mps; });
+    for (; scene.moving() == nullptr; ++pair) {
+      if (scene.world.time_s(pair) > rest_s + 2.0) return NAN;
+      scene.see(pair);
+    }
+    const MovingObject& object = *scene.moving();
+    mean += nees(object.velocity_mps - velocity_mps, object.velocity_covariance_m2ps2) / kSeeds;
+  }
+  return mean;
+}
+
+TEST(ObjectHonesty, VelocityOfWhatHasJustBeenFoundIsSaidToBeUnsure) {
+  EXPECT_LT(mean_nees_when_found(0.0), 2.0);
+  // The filters have learnt to rest: how far behind they are is known roughly.
+  EXPECT_LT(mean_nees_when_found(1.0), 15.0);
+}
+
 TEST(ObjectHonesty, PlaceOfASurfaceThatFewPointsShowErrsAsItsCovarianceSays) {
   for (const int points : {8, 40}) {
     const MeanNees mean = mean_nees(points);

@@ -41,6 +41,7 @@ struct TrackFilter {
   double standing_chi2 = 0.0;
   Nanoseconds seen{0};
   Nanoseconds fresh{0};
+  bool stood = false;
   Eigen::Vector3d uvd_px = Eigen::Vector3d::Zero();
 
   void start(const PointMeasurement& measurement, const MotionPrior& prior, Nanoseconds now);
@@ -65,6 +66,7 @@ inline constexpr double kFadePerS = 1.35;  // a standing point's certainty, for 
 inline constexpr double kAccelerationTime_s = 1.0 / 30.0;  // how long an acceleration lasts
 inline constexpr double kFresh_s = 2.0;
 inline constexpr double kNearBound = 0.5;
+inline constexpr double kStoodEvidence = 0.5 * kLeastEvidence;
 inline constexpr double kSurpriseChi2 = 16.27;
 
 struct Fit {
@@ -126,6 +128,7 @@ inline void learn_velocity_anew(TrackFilter& f, const MotionPrior& prior, Nanose
   f.moving.bias_covariance << f.standing.bias_covariance, Eigen::Vector3d::Zero();
   f.misfit = kFittingChi2;
   f.fresh = now;
+  f.stood = false;
 }
 
 inline void move_from_here(TrackFilter& f, const PointMeasurement& measurement,
@@ -138,6 +141,7 @@ inline void move_from_here(TrackFilter& f, const PointMeasurement& measurement,
   f.moving.bias_covariance << -measurement.bias_m, Eigen::Vector3d::Zero();
   f.misfit = kFittingChi2;
   f.fresh = f.seen;
+  f.stood = false;
 }
 
 inline void stand_where_it_is(TrackFilter& f) {
@@ -200,6 +204,7 @@ inline void TrackFilter::update(const PointMeasurement& measurement, const Motio
   standing_chi2 = stands.chi2;
   misfit += (1.0 - kMisfitMemory) * (std::min(moves.chi2, kMostMisfit) - misfit);
   ++updates;
+  stood = stood || evidence < kStoodEvidence;
   if (evidence < 0.0 && updates >= 3 && std::min(moves.chi2, stands.chi2) > kSurpriseChi2)
     move_from_here(*this, measurement, prior);
   if (evidence > kMostEvidence - kNearBound) stand_where_it_is(*this);
