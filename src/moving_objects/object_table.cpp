@@ -16,6 +16,7 @@ constexpr double kReclaimDistance_m = 0.5;  // an object without tracks is found
 constexpr double kReclaimDrift_mps = 0.3;   // growing with the time that it was unseen,
 constexpr double kReclaimSpeed_mps = 0.3;   // at a velocity this similar
 constexpr double kReclaimSpeedShare = 0.1;
+constexpr double kKnown_s = 1.0;  // an object this old is surely none that repeated texture feigns
 constexpr double kTentative_s = 0.3;      // a tentative object without evidence ends
 constexpr double kLeaveChi2 = 25.0;       // a member this far off leaves
 constexpr double kKeepPurityShare = 0.5;  // of the purity that opens an object
@@ -175,6 +176,16 @@ ObjectTable::Tracked* ObjectTable::by_tracks(std::span<const PointSample> points
   return best;
 }
 
+// What has been known for an object for some time becomes no echo of what it passes.
+bool ObjectTable::carries_on(std::span<const PointSample> points, Members members,
+                             const Tracked* tracked) const {
+  if (tracked == nullptr || !tracked->confirmed || tracked->object.age_s < kKnown_s) return false;
+  const auto own = std::count_if(members.begin(), members.end(), [&](auto i) {
+    return owners_[points[i].track] == tracked->object.id;
+  });
+  return 2 * own > static_cast<std::ptrdiff_t>(members.size());
+}
+
 ObjectTable::Tracked* ObjectTable::by_place(const MotionGroup& group) {
   for (Tracked& tracked : objects_) {
     const MovingObject& object = tracked.object;
@@ -226,9 +237,10 @@ ObjectTable::Tracked* ObjectTable::create(std::span<const PointSample> points,
 void ObjectTable::associate(const StereoCamera& camera, std::span<const PointSample> points,
                             const MotionGroups& finder, std::span<const MotionGroup> groups) {
   for (const MotionGroup& group : groups) {
-    if (group.slides || group.echoes || group.velocity_mps.norm() < gates_.min_speed_mps) continue;
+    if (group.slides || group.velocity_mps.norm() < gates_.min_speed_mps) continue;
     const Members members = finder.members(group);
     Tracked* tracked = by_tracks(points, members);
+    if (group.echoes && !carries_on(points, members, tracked)) continue;
     if (tracked == nullptr) tracked = by_place(group);
     if (tracked == nullptr) tracked = create(points, group, finder);
     if (tracked == nullptr) continue;

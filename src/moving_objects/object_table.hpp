@@ -76,6 +76,8 @@ class ObjectTable {
   void doubt(double elapsed_s, double unseen_s, MovingObject& object) const;
   [[nodiscard]] Tracked* by_tracks(std::span<const PointSample> points, Members members);
   [[nodiscard]] Tracked* by_place(const MotionGroup& group);
+  [[nodiscard]] bool carries_on(std::span<const PointSample> points, Members members,
+                                const Tracked* tracked) const;
   [[nodiscard]] Tracked* create(std::span<const PointSample> points, const MotionGroup& group,
                                 const MotionGroups& finder);
   [[nodiscard]] static Box joined(const Box& a, const Box& b);

@@ -245,6 +245,21 @@ TEST_F(Filter, EchoOfRepeatedTextureIsNoObject) {
   }
 }
 
+TEST_F(Filter, WhatIsKnownForLongIsNoEchoWhenItMovesLikeOne) {
+  world.rig_velocity_mps = {0.0, 0.0, 0.3};
+  world.rig_yaw_rate_radps = 0.0;
+  world.add_background(600, 9.5, 10.5);
+  world.add_box(12, {-0.6, 0.0, 2.0}, {0.2, 0.2, 0.02}, {0.3, 0.0, 0.8 * 0.3});
+  int pair = 0;
+  for (; pair < 45; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  const std::int64_t id = objects.objects.front().id;
+  turn(pair - 1, 600, {0.0, 0.0, 0.8 * 0.3});
+  for (; pair < 90; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  EXPECT_EQ(objects.objects.front().id, id);
+}
+
 TEST_F(Filter, EchoOfAMoversTextureIsNoObject) {
   rest_rig();
   world.add_background(300);
