@@ -74,7 +74,7 @@ bool moves_images(const Calibration& before, const Calibration& now) {
 }
 
 bool has_lost_sight(const FollowedPoint& p) {
-  return !p.followed || p.pairs_without_stereo > kMaxPairsWithoutStereo;
+  return !p.followed || p.refuted || p.pairs_without_stereo > kMaxPairsWithoutStereo;
 }
 
 // What depends on the image size.

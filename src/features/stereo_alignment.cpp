@@ -16,6 +16,7 @@ constexpr float kMaxConsistency_px = 0.6F;
 constexpr float kMaxClosure_px = 1.0F;
 constexpr float kMinClosureNcc = 0.6F;
 constexpr std::uint32_t kYoungAge = 3;
+constexpr std::uint32_t kPairsToCheck = 8;
 constexpr std::size_t kMaxScouts = 200;  // that tell how the rig turned during a skew
 constexpr float kMaxSurprise_px = 0.6F;
 constexpr float kMaxNccLoss = 0.05F;
@@ -146,10 +147,12 @@ StereoMeasurement align_skewed(const StereoImages& images, ImagePoint left, Ster
   return found;
 }
 
-bool is_consistent(const StereoImages& images, ImagePoint left, const StereoMeasurement& stereo) {
+AlignmentResult align_back(const StereoImages& images, ImagePoint left,
+                           const StereoMeasurement& stereo, const StereoMeasurement& surface,
+                           float off_px, int steps) {
   const ImagePoint right = right_of(left, stereo);
   const PixelPosition pixel = nearest_pixel(right);
-  if (!holds_template(images.right.level(0), pixel)) return false;
+  if (!holds_template(images.right.level(0), pixel)) return {};
   const float shift_v_px = stereo.skew_shift.v_px;
   const auto row = static_cast<int>(std::lround(static_cast<float>(pixel.v_px) - shift_v_px));
   const float template_v_px = static_cast<float>(row) + shift_v_px;
@@ -157,13 +160,17 @@ bool is_consistent(const StereoImages& images, ImagePoint left, const StereoMeas
   build_between_rows(images.right.level(0), pixel, template_v_px - static_cast<float>(pixel.v_px),
                      patch);
   // Inverse of x_right = (1 - a) x_left - b y.
-  const float scale = 1.0F / (1.0F - stereo.slope_u);
+  const float scale = 1.0F / (1.0F - surface.slope_u);
   const float du = right.u_px - static_cast<float>(pixel.u_px);
   const float dv = right.v_px - template_v_px;
-  const float u = left.u_px - scale * du - scale * stereo.slope_v * dv;
+  const float u = left.u_px + off_px - scale * du - scale * surface.slope_v * dv;
   PlaneWarp warp{
-      .u_px = u, .v_px = row, .slope_u = 1.0F - scale, .slope_v = -stereo.slope_v * scale};
-  const AlignmentResult result = align(images.left.level(0), patch, 1, warp);
+      .u_px = u, .v_px = row, .slope_u = 1.0F - scale, .slope_v = -surface.slope_v * scale};
+  return align(images.left.level(0), patch, steps, warp);
+}
+
+bool is_consistent(const StereoImages& images, ImagePoint left, const StereoMeasurement& stereo) {
+  const AlignmentResult result = align_back(images, left, stereo, stereo, 0.0F, 1);
   return result.ncc > kMinClosureNcc && std::abs(result.step_u_px) < kMaxConsistency_px;
 }
 
@@ -203,6 +210,15 @@ void StereoAlignment::measure(const StereoImages& previous, const StereoImages& 
   }
   measure_predicted(previous, current, skew, store);
   search_lost(previous, current, skew, store);
+  find_refuted(current, store);
+}
+
+// Each point's turn comes every so many pairs.
+void StereoAlignment::find_refuted(const StereoImages& current, TrackStore& store) {
+  for (FollowedPoint& point : store.points()) {
+    if (!point.stereo.valid || (point.age + point.id) % kPairsToCheck != 0) continue;
+    point.refuted = is_neighbours(current, store, point);
+  }
 }
 
 // Of points whose disparity is known well, spread evenly.

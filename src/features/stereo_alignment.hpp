@@ -21,6 +21,12 @@ namespace egomod {
                                              StereoMeasurement start, const Skew& skew,
                                              ImagePoint own_shift = {});
 
+// The patch that the right image shows of `left` at `stereo`, sought in the left image where
+// `surface`, that of another point or its own, has it: moved from `left` by `off_px` along the row.
+[[nodiscard]] AlignmentResult align_back(const StereoImages& images, ImagePoint left,
+                                         const StereoMeasurement& stereo,
+                                         const StereoMeasurement& surface, float off_px, int steps);
+
 // The patch seen in the right image, sought in the left one, must come back to where it was.
 [[nodiscard]] bool is_consistent(const StereoImages& images, ImagePoint left,
                                  const StereoMeasurement& stereo);
@@ -45,6 +51,8 @@ class StereoAlignment {
                          const Skew& skew, TrackStore& store);
   void search_lost(const StereoImages& previous, const StereoImages& current, const Skew& skew,
                    TrackStore& store);
+
+  static void find_refuted(const StereoImages& current, TrackStore& store);
 
   DisparitySearch search_;
   std::vector<std::size_t> lost_;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "surface_check.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "stereo_alignment.hpp"
 
@@ -10,51 +12,19 @@ namespace egomod {
 namespace {
 
 constexpr float kReach_px = 80.0F;
-constexpr std::size_t kNeighbours = 6;
+constexpr std::size_t kNearest = 6;  // are tried
+constexpr int kEnough = 3;  // around a point that none of them has a surface in common with
+constexpr int kBackSteps = 5;
+constexpr float kSupport_px = 2.0F;
+constexpr float kSlopeError = 0.05F;
 constexpr float kSameDisparity_px = 3.0F;
 // Of 1 - NCC, to that of the other disparity: fits clearly better.
 constexpr float kClearRatio = 0.7F;
 
-// The nearest points whose disparity is known, the nearest first.
-class Neighbours {
- public:
-  Neighbours(const TrackStore& store, const FollowedPoint& point) {
-    for (const FollowedPoint& other : store.points()) {
-      const ImagePoint off = other.left - point.left;
-      if (std::abs(off.u_px) > kReach_px || std::abs(off.v_px) > kReach_px || !other.stereo.valid ||
-          other.id == point.id)
-        continue;
-      add({&other, off.u_px * off.u_px + off.v_px * off.v_px});
-    }
-  }
-  struct Entry {
-    const FollowedPoint* point = nullptr;
-    float distance2_px2 = 0.0F;
-  };
-  [[nodiscard]] auto begin() const { return entries_.begin(); }
-  [[nodiscard]] auto end() const { return entries_.begin() + static_cast<std::ptrdiff_t>(count_); }
-
- private:
-  void add(Entry entry) {
-    if (count_ == kNeighbours && entry.distance2_px2 >= entries_.back().distance2_px2) return;
-    if (count_ < kNeighbours) ++count_;
-    std::size_t i = count_ - 1;
-    for (; i > 0 && entries_[i - 1].distance2_px2 > entry.distance2_px2; --i)
-      entries_[i] = entries_[i - 1];
-    entries_[i] = entry;
-  }
-
-  std::array<Entry, kNeighbours> entries_{};
-  std::size_t count_ = 0;
+struct Neighbour {
+  const FollowedPoint* point = nullptr;
+  float distance2_px2 = 0.0F;
 };
-
-bool same(const StereoMeasurement& a, const StereoMeasurement& b) {
-  return std::abs(a.disparity_px - b.disparity_px) <= kSameDisparity_px;
-}
-
-bool fits_clearly_better(const StereoMeasurement& a, const StereoMeasurement& b) {
-  return 1.0F - a.ncc <= kClearRatio * (1.0F - b.ncc);
-}
 
 // The neighbour's surface, carried on to the point.
 StereoMeasurement carried_on(const FollowedPoint& neighbour, ImagePoint to) {
@@ -64,30 +34,125 @@ StereoMeasurement carried_on(const FollowedPoint& neighbour, ImagePoint to) {
   return plane;
 }
 
+// Points around one whose disparity is known: the nearest of them, the nearest first, and how many
+// lie on a surface with it.
+class Neighbours {
+ public:
+  Neighbours(const TrackStore& store, const FollowedPoint& point) {
+    for (const FollowedPoint& other : store.points()) {
+      const ImagePoint off = other.left - point.left;
+      if (std::abs(off.u_px) > kReach_px || std::abs(off.v_px) > kReach_px || !other.stereo.valid ||
+          other.id == point.id)
+        continue;
+      const float distance2_px2 = off.u_px * off.u_px + off.v_px * off.v_px;
+      const float error_px = kSupport_px + kSlopeError * std::sqrt(distance2_px2);
+      supporters_ += std::abs(carried_on(other, point.left).disparity_px -
+                              point.stereo.disparity_px) < error_px;
+      add({&other, distance2_px2});
+    }
+  }
+  [[nodiscard]] auto begin() const { return nearest_.begin(); }
+  [[nodiscard]] auto end() const { return nearest_.begin() + static_cast<std::ptrdiff_t>(count_); }
+  // No neighbour has a surface in common with the point, and what is nearest lies outside of the
+  // right image there: so does the point.
+  [[nodiscard]] bool show_outside(const FollowedPoint& point) const {
+    const auto outside = std::count_if(begin(), end(), [&](const Neighbour& neighbour) {
+      return carried_on(*neighbour.point, point.left).disparity_px >
+             point.left.u_px - static_cast<float>(kPatchRadiusU_px);
+    });
+    return supporters_ == 0 && count_ >= kEnough && 2 * static_cast<std::size_t>(outside) > count_;
+  }
+
+ private:
+  void add(Neighbour neighbour) {
+    if (count_ == kNearest && neighbour.distance2_px2 >= nearest_.back().distance2_px2) return;
+    if (count_ < kNearest) ++count_;
+    std::size_t i = count_ - 1;
+    for (; i > 0 && nearest_[i - 1].distance2_px2 > neighbour.distance2_px2; --i)
+      nearest_[i] = nearest_[i - 1];
+    nearest_[i] = neighbour;
+  }
+
+  std::array<Neighbour, kNearest> nearest_{};
+  std::size_t count_ = 0;
+  int supporters_ = 0;
+};
+
+bool same(const StereoMeasurement& a, const StereoMeasurement& b) {
+  return std::abs(a.disparity_px - b.disparity_px) <= kSameDisparity_px;
+}
+
+bool fits_clearly_better(float ncc, float other_ncc) {
+  return 1.0F - ncc <= kClearRatio * (1.0F - other_ncc);
+}
+
+// How far along the row from the point the surface shows in the left image what the right image
+// shows at the point's match.
+float offset_px(const StereoMeasurement& surface, const StereoMeasurement& own) {
+  return (surface.disparity_px - own.disparity_px) / (1.0F - surface.slope_u);
+}
+
+// The surfaces of the nearest neighbours that give the point other disparities.
+class Surfaces {
+ public:
+  void add(const StereoMeasurement& surface) {
+    const auto known = [&](const StereoMeasurement& s) { return same(s, surface); };
+    if (std::none_of(all().begin(), all().end(), known)) surfaces_[count_++] = surface;
+  }
+  [[nodiscard]] std::span<const StereoMeasurement> all() const {
+    return std::span(surfaces_).first(count_);
+  }
+
+ private:
+  std::array<StereoMeasurement, kNearest> surfaces_{};
+  std::size_t count_ = 0;
+};
+
+Surfaces rivals_of(const Neighbours& neighbours, const FollowedPoint& point) {
+  Surfaces rivals;
+  for (const Neighbour& neighbour : neighbours) {
+    const StereoMeasurement surface = carried_on(*neighbour.point, point.left);
+    if (!same(surface, point.stereo)) rivals.add(surface);
+  }
+  return rivals;
+}
+
+// What the right image shows at the match lies on one of the surfaces, at another place of the left
+// image: the right camera does not see the point.
+bool is_claimed(const StereoImages& images, const FollowedPoint& point, const Surfaces& surfaces) {
+  const auto ncc_back = [&](const StereoMeasurement& on, float off_px) {
+    return align_back(images, point.left, point.stereo, on, off_px, kBackSteps).ncc;
+  };
+  if (surfaces.all().empty()) return false;
+  const float own = ncc_back(point.stereo, 0.0F);
+  return std::any_of(surfaces.all().begin(), surfaces.all().end(), [&](const auto& surface) {
+    return fits_clearly_better(ncc_back(surface, offset_px(surface, point.stereo)), own);
+  });
+}
+
 }  // namespace
 
 StereoMeasurement settle_by_neighbours(const StereoImages& images, const Skew& skew,
                                        const TrackStore& store, const FollowedPoint& point) {
-  StereoMeasurement best = point.stereo;
+  const StereoMeasurement& own = point.stereo;
+  const Neighbours neighbours(store, point);
+  const Surfaces rivals = rivals_of(neighbours, point);
   StereoMeasurement other;  // the best one that differs
-  std::array<StereoMeasurement, kNeighbours> tried;
-  std::size_t tries = 0;
-  for (const Neighbours::Entry& neighbour : Neighbours(store, point)) {
-    const StereoMeasurement start = carried_on(*neighbour.point, point.left);
-    if (same(start, point.stereo)) continue;
-    bool known = false;
-    for (std::size_t i = 0; i < tries; ++i) known = known || same(start, tried[i]);
-    if (known) continue;
-    tried[tries++] = start;
+  for (const StereoMeasurement& start : rivals.all()) {
     const StereoMeasurement found = align_skewed(images, point.left, start, skew);
-    if (!found.valid || same(found, point.stereo) || found.ncc <= other.ncc ||
-        !is_consistent(images, point.left, found))
-      continue;
-    other = found;
+    if (found.valid && !same(found, own) && found.ncc > other.ncc &&
+        is_consistent(images, point.left, found))
+      other = found;
   }
-  if (!other.valid || fits_clearly_better(best, other)) return best;
-  if (!fits_clearly_better(other, best)) other.valid = false;
-  return other;
+  if (other.valid && fits_clearly_better(other.ncc, own.ncc)) return other;
+  const bool stays = (!other.valid || fits_clearly_better(own.ncc, other.ncc)) &&
+                     !neighbours.show_outside(point) && !is_claimed(images, point, rivals);
+  return stays ? own : StereoMeasurement{};
+}
+
+bool is_neighbours(const StereoImages& images, const TrackStore& store,
+                   const FollowedPoint& point) {
+  return is_claimed(images, point, rivals_of(Neighbours(store, point), point));
 }
 
 }  // namespace egomod

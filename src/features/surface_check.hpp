@@ -10,9 +10,16 @@ namespace egomod {
 // A match that a search found is the best of those that show the patch unsheared. On a floor or
 // along a wall, which the right image shows sheared, repeated texture elsewhere may look more alike
 // than the place itself. So the surfaces that the neighbours lie on are tried as well. Gives the
-// disparity that fits clearly better; not valid where two different ones fit alike.
+// disparity that fits clearly better; not valid where two different ones fit alike, where what the
+// right image shows belongs to a neighbour's surface, or where the neighbours' surfaces lie
+// outside of the right image and none bears the match out.
 [[nodiscard]] StereoMeasurement settle_by_neighbours(const StereoImages& images, const Skew& skew,
                                                      const TrackStore& store,
                                                      const FollowedPoint& point);
+
+// What the right image shows at the point's match is on a neighbour's surface, at another place of
+// the left image: the right camera does not see the point.
+[[nodiscard]] bool is_neighbours(const StereoImages& images, const TrackStore& store,
+                                 const FollowedPoint& point);
 
 }  // namespace egomod

@@ -52,6 +52,7 @@ struct FollowedPoint {
 
   bool followed = false;  // found in this pair's left image
   bool reanchored = false;
+  bool refuted = false;  // its match is another point's
   bool has_previous_observation = false;
   StereoObservation observation;
   StereoObservation previous_observation;

@@ -48,7 +48,7 @@ struct Scene {
   [[nodiscard]] StereoMeasurement settled(const StereoImages& images) const {
     return settle_by_neighbours(images, Skew(), store, store.points().back());
   }
-  TrackStore store{4};
+  TrackStore store{8};
 };
 
 TEST(SurfaceCheckTest, AFloorThatGoesOnBeatsALookAlike) {
@@ -67,6 +67,52 @@ TEST(SurfaceCheckTest, WhatStandsBeforeItsNeighboursStays) {
   const StereoMeasurement settled = scene.settled(images);
   EXPECT_TRUE(settled.valid);
   EXPECT_EQ(settled.disparity_px, 60.0F);
+}
+
+// A wall that both cameras see, and a point of the left image whose match lies on it: what is seen
+// there has its place on the wall already.
+TEST(SurfaceCheckTest, WhatTheRightImageShowsBelongsToOnePlaceOnly) {
+  constexpr float kWall_px = 30.0F;
+  constexpr float kOff_px = 25.0F;  // that the hidden point claims to be nearer
+  const testing::WaveTexture wall(4), strange(5);
+  const auto hidden = [](double u) { return std::abs(u - kPlace.u_px) < 9.0; };
+  const auto look_alike = [&](double u, double v) {
+    return hidden(u) ? 0.93 * wall(u - static_cast<double>(kOff_px), v) + 0.07 * strange(u, v)
+                     : wall(u, v);
+  };
+  StereoPair pair;
+  pair.left = testing::painted(kViewWidth, kViewHeight, look_alike);
+  pair.right = testing::painted(kViewWidth, kViewHeight, [&](int u, int v) {
+    return wall(u + static_cast<double>(kWall_px), v);
+  });
+  StereoImages images;
+  images.take(pair);
+  const StereoMeasurement on_wall{.disparity_px = kWall_px, .ncc = 0.99F};
+  const Scene wrong(images, {.disparity_px = kWall_px + kOff_px, .ncc = 0.97F}, on_wall);
+  EXPECT_TRUE(is_neighbours(images, wrong.store, wrong.store.points().back()));
+  EXPECT_FALSE(wrong.settled(images).valid);
+  const Scene right(images, on_wall, on_wall);
+  EXPECT_FALSE(is_neighbours(images, right.store, right.store.points().back()));
+}
+
+// Near the left border the right camera does not see what is near.
+TEST(SurfaceCheckTest, WhatLiesOutsideOfTheRightImageHasNoMatch) {
+  constexpr PixelPosition kBorder{60, 50};
+  constexpr StereoMeasurement kFar{.disparity_px = 20.0F, .ncc = 0.97F};
+  const StereoImages images = view(testing::WaveTexture(4), [](float) { return 20.0F; });
+  TrackStore store(8);
+  const auto add = [&](int off_px, StereoMeasurement stereo) -> FollowedPoint& {
+    FollowedPoint& point = store.add(
+        images.left.level(0), {kBorder.u_px + off_px, kBorder.v_px + off_px}, CornerKind::kDark);
+    stereo.valid = true;
+    point.stereo = stereo;
+    return point;
+  };
+  add(0, kFar);
+  for (const int off_px : {10, 20, 30}) add(off_px, {.disparity_px = 70.0F, .ncc = 0.95F});
+  EXPECT_FALSE(settle_by_neighbours(images, Skew(), store, store.points().front()).valid);
+  add(-15, kFar);  // so there is something far
+  EXPECT_TRUE(settle_by_neighbours(images, Skew(), store, store.points().front()).valid);
 }
 
 TEST(SurfaceCheckTest, WhatFitsBothPlacesAlikeIsNoMatch) {
