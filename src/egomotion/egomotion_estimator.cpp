@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kMinDtS = 1e-3;
 constexpr double kHabitS = 0.5;
+constexpr double kCommonErrorS = 1.5;
 constexpr double kNoiseScaleRate = 0.15;
 constexpr double kMinNoiseScale = 0.3;
 constexpr double kMaxNoiseScale = 12.0;
@@ -21,8 +22,8 @@ constexpr std::size_t kTracksThatTellNoise = 20;
 constexpr std::size_t kMinCorrespondences = 4;
 // So that the covariance by which the pose's grows in 1 s is that of the motion in 1 s: found over
 // resting and moving rigs in rendered worlds, where it needs 2 and 4 to 5 covariances of one pose.
-constexpr double kLastingPerS = 1.5;
-constexpr double kLastingOfNew = 8.0;
+constexpr double kLastingPerS = 1.75;
+constexpr double kLastingOfNew = 6.0;
 constexpr double kMostLasting = 4.0;
 constexpr std::size_t kTracksToStartAnew = 20;
 constexpr int kMaxAmbiguousQuality = 20;
@@ -78,6 +79,7 @@ void EgomotionEstimator::follow(const TrackSet& tracks, Egomotion& motion) {
   assign_roles(tracks, solution, motion);
   const EstimateReason failure = judge(solution, motion);
   if (failure != EstimateReason::kNone) return fail(failure, tracks, motion);
+  note_common_error();
   Solution other;
   const bool has_rival = weigh_rival(tracks, solution, other, motion);
   const bool contradicted = wheels_contradict(solution, motion);
@@ -312,7 +314,8 @@ void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution
   motion.T_previous_current = solution.T_previous_current;
   const Matrix6d Ad = adjoint(solution.T_previous_current.inverse());
   motion.covariance_previous_current = solution.covariance + Ad * against_map_ * Ad.transpose();
-  pose_.compose(solution.T_previous_current, lasting_share(tracks) * solution.covariance);
+  pose_.compose(solution.T_previous_current,
+                lasting_share(tracks) * common_error_ * solution.covariance);
   if (config_.map) against_map_ = solution.covariance;
   keep_velocity(motion);
   adapt_noise_scale();
@@ -358,6 +361,17 @@ void EgomotionEstimator::adapt_noise_scale() {
   const double ratio = std::max(kMinNoiseRatio, median(scratch_, kMedianChi2Of3)) / kMedianChi2Of3;
   noise_scale_ =
       std::clamp(noise_scale_ * std::pow(ratio, kNoiseScaleRate), kMinNoiseScale, kMaxNoiseScale);
+}
+
+// One pair tells it roughly, and what makes points err together, such as a rolling shutter or a
+// wrong calibration, lasts.
+void EgomotionEstimator::note_common_error() {
+  if (config_.method != EgomotionMethod::kGaussNewton) return;
+  const std::optional<double> now = gauss_newton_.common_error();
+  if (!now) return;
+  common_error_pairs_ += 1.0;
+  const double rate = std::max(1.0 - std::exp(-dt_s_ / kCommonErrorS), 1.0 / common_error_pairs_);
+  common_error_ += rate * (*now - common_error_);
 }
 
 // How much of a pose's covariance the pose's growing one takes on for good: all of it frame to

@@ -42,6 +42,7 @@ Solution GaussNewtonSolver::finished(const StereoCamera& camera,
     gn.prepare(camera, correspondences, best.T_previous_current);
     best = gn.refine(best.T_previous_current, 1.0);
   }
+  last_ = best;
   Solution solution{.T_previous_current = best.T_previous_current};
   if (!best.solvable || !gn.covariance(best, solution.covariance))
     solution.failure = EstimateReason::kDegenerate;

@@ -21,6 +21,7 @@ constexpr double kMinVariancePx2 = 1e-6;
 constexpr double kSampleDamping = 1e-6;  // relative; a sample may be nearly degenerate
 constexpr int kSampleSteps = 4;
 constexpr double kMaxSampleStep = 0.5;  // m or rad
+constexpr double kLeastLeft = 2.0;      // of six freedoms: below, too few cells for a say in common
 constexpr double kTellingWeight = 0.5;  // of points that tell the scale of the residuals
 
 // Lower triangle of L^-1 with S = L L^T, row by row.
@@ -244,8 +245,76 @@ bool RobustGaussNewton::covariance(const GaussNewtonResult& result, Matrix6d& co
   if (llt.info() != Eigen::Success || !(freedom > 0)) return false;
   const Matrix6d A_inverse = llt.solve(Matrix6d::Identity());
   residual_kernels().accumulate_weighted(points, at, noise.data(), sums);
-  covariance = (3 * weights / freedom) * (A_inverse * matrix(sums) * A_inverse);
+  noise_ = (3 * weights / freedom) * matrix(sums);
+  covariance = A_inverse * noise_ * A_inverse;
   return covariance.allFinite();
+}
+
+std::size_t RobustGaussNewton::cell_of(std::size_t i, double median_disparity_px) const {
+  const auto place = [](double x_px, int size_px, std::size_t count) {
+    const double share = std::clamp(x_px / std::max(1, size_px), 0.0, 1.0);
+    return std::min(static_cast<std::size_t>(share * static_cast<double>(count)), count - 1);
+  };
+  const std::size_t column = place(columns_[Column::kU][i], camera_.width_px, kCellColumns);
+  const std::size_t row = place(columns_[Column::kV][i], camera_.height_px, kCellRows);
+  const std::size_t near = columns_[Column::kD][i] > median_disparity_px ? 1 : 0;
+  return 2 * (row * kCellColumns + column) + near;
+}
+
+void RobustGaussNewton::sort_into_cells() {
+  scratch_.assign(columns_[Column::kD].begin(), columns_[Column::kD].end());
+  scratch_.resize(size_);
+  const double median_disparity_px = median(scratch_, 0.0);
+  std::array<std::size_t, kCells> counts{};
+  cells_.reserve(columns_[0].capacity());
+  cells_.resize(size_);
+  for (std::size_t i = 0; i < size_; ++i) {
+    cells_[i] = cell_of(i, median_disparity_px);
+    ++counts[cells_[i]];
+  }
+  for (std::size_t c = 0; c < kCells; ++c)
+    cell_begins_[c + 1] =
+        cell_begins_[c] + (counts[c] + kResidualLanes - 1) / kResidualLanes * kResidualLanes;
+  for (std::size_t k = 0; k < kColumns; ++k) {
+    by_cell_[k].reserve(columns_[0].capacity() + kCells * kResidualLanes);
+    by_cell_[k].assign(cell_begins_[kCells], k == Column::kZ ? 1.0 : 0.0);
+    std::array<std::size_t, kCells> next{};
+    for (std::size_t i = 0; i < size_; ++i)
+      by_cell_[k][cell_begins_[cells_[i]] + next[cells_[i]]++] = columns_[k][i];
+  }
+}
+
+std::optional<double> RobustGaussNewton::common_error(const GaussNewtonResult& result) {
+  sort_into_cells();
+  const ResidualGeometry at = geometry(camera_, result.T_previous_current.inverse());
+  std::array<Matrix6d, kCells> A;
+  Matrix6d A_all = Matrix6d::Zero();
+  Matrix6d pulls = Matrix6d::Zero();
+  distances2_.reserve(columns_[0].capacity() + kCells * kResidualLanes);
+  distances2_.resize(by_cell_[0].size());
+  for (std::size_t c = 0; c < kCells; ++c) {
+    ResidualColumns points{.column = {}, .count = cell_begins_[c + 1] - cell_begins_[c]};
+    for (std::size_t k = 0; k < kColumns; ++k)
+      points.column[k] = by_cell_[k].data() + cell_begins_[c];
+    NormalSums sums;
+    residual_kernels().accumulate(points, at, config_.geman_mcclure_chi2 * result.scale,
+                                  distances2_.data() + cell_begins_[c], sums);
+    const Eigen::Map<const Vector6d> pull(sums.b);
+    pulls += pull * pull.transpose();
+    A[c] = matrix(sums);
+    A_all += A[c];
+  }
+  // The fit takes from each cell's pull what the cell had a say in.
+  const Eigen::LLT<Matrix6d> all(A_all);
+  const Eigen::LLT<Matrix6d> noise(noise_);
+  double left = 6.0;
+  for (const Matrix6d& a : A) {
+    const Matrix6d say = all.solve(a);
+    left -= (say * say).trace();
+  }
+  const double common = noise.solve(pulls).trace() / left;
+  if (!(left > kLeastLeft) || !std::isfinite(common)) return std::nullopt;
+  return common;
 }
 
 }  // namespace egomod

@@ -177,6 +177,28 @@ TEST(Egomotion, AgainstTheMapThePosesCovarianceGrowsByThatOfTheMotionInASecond) 
   }
 }
 
+// How much the pose's covariance grows in 2 s of which each pair's rows are displaced to and fro.
+double growth_m2(double shear_px) {
+  World world(1, 600);
+  EgomotionEstimator estimator{EgomotionConfig{}};
+  Egomotion motion;
+  estimator.estimate(world.tracks(), motion);
+  for (int k = 0; k < 60; ++k) {
+    TrackSet tracks = world.step(forward_and_left(), 1.0 / 30.0);
+    const double shear = shear_px * std::sin(0.3 * k);
+    for (Track& track : tracks.tracks) {
+      const double row = double{track.current.v_px} / synthetic::kCamera.height_px;
+      track.current.u_px += static_cast<float>(shear * (row - 0.5));
+    }
+    estimator.estimate(tracks, motion);
+  }
+  return motion.covariance_first_current.topLeftCorner<3, 3>().trace();
+}
+
+TEST(Egomotion, ThePosesCovarianceGrowsFasterWherePointsErrTogether) {
+  EXPECT_GT(growth_m2(0.8), 2.0 * growth_m2(0.0));
+}
+
 TEST(Egomotion, BothMethodsAgreeWithinTheirCovariances) {
   double sum = 0.0;
   constexpr int kRuns = 50;

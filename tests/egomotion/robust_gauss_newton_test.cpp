@@ -61,5 +61,74 @@ TEST(RobustGaussNewton, PointsOnALineDoNotFixAMotion) {
   EXPECT_FALSE(result.solvable);
 }
 
+// A resting rig that sees points at places known but for their noise, and what came of it.
+struct NoisyFit {
+  double error2 = 0.0;  // squared Mahalanobis distance from the true motion
+  double common_error = 0.0;
+};
+
+// `shear_px`: how far rows are displaced, from the upper to the lower edge, on top of the noise.
+NoisyFit fit_noisy(std::uint32_t seed, double shear_px) {
+  constexpr int kPoints = 600;
+  std::mt19937 random(seed);
+  std::vector<Correspondence> points;
+  const Eigen::Vector3d sigma_px{0.15, 0.15, 0.2};
+  for (int k = 0; k < kPoints; ++k) {
+    Correspondence c;
+    c.P_previous_m = synthetic::random_point(random);
+    c.covariance_observed_px2 = sigma_px.cwiseAbs2().asDiagonal();
+    c.observed_px = project(kCamera, c.P_previous_m);
+    c.observed_px.x() += shear_px * (c.observed_px.y() / kCamera.height_px - 0.5);
+    c.observed_px += sigma_px.cwiseProduct(synthetic::gaussian3(random));
+    points.push_back(c);
+  }
+  RobustGaussNewton gn{GaussNewtonConfig{}};
+  gn.prepare(kCamera, points, Eigen::Isometry3d::Identity());
+  const GaussNewtonResult result = gn.refine(Eigen::Isometry3d::Identity(), 1.0);
+  Matrix6d covariance;
+  EXPECT_TRUE(gn.covariance(result, covariance));
+  const Vector6d e = se3_log(result.T_previous_current);
+  return {e.dot(covariance.ldlt().solve(e)), gn.common_error(result).value_or(0.0)};
+}
+
+TEST(RobustGaussNewton, CovarianceIsThatOfTheErrors) {
+  constexpr int kRuns = 400;
+  double error2 = 0.0;
+  for (std::uint32_t seed = 0; seed < kRuns; ++seed) error2 += fit_noisy(seed, 0.0).error2;
+  // 99 % of the sums of so many chi-squares, by their normal approximation.
+  const double freedom = 6.0 * kRuns;
+  EXPECT_NEAR(error2, freedom, 2.58 * std::sqrt(2 * freedom));
+}
+
+TEST(RobustGaussNewton, PointsThatErrOnTheirOwnHaveNoErrorInCommon) {
+  constexpr int kRuns = 200;
+  double sum = 0.0;
+  for (std::uint32_t seed = 0; seed < kRuns; ++seed) sum += fit_noisy(seed, 0.0).common_error;
+  EXPECT_NEAR(sum / kRuns, 1.0, 0.06);
+}
+
+TEST(RobustGaussNewton, RowsThatAreDisplacedOneAfterTheOtherErrInCommon) {
+  for (std::uint32_t seed = 0; seed < 10; ++seed)
+    EXPECT_GT(fit_noisy(seed, 0.8).common_error, 3.0) << seed;
+}
+
+TEST(RobustGaussNewton, PointsInOneCellDoNotTellWhatIsInCommon) {
+  std::mt19937 random(3);
+  std::vector<Correspondence> points;
+  for (int k = 0; k < 100; ++k) {
+    Correspondence c;
+    c.P_previous_m = Eigen::Vector3d(0.3, 0.2, 3.0) + 0.1 * synthetic::gaussian3(random);
+    c.covariance_observed_px2 = 0.01 * Eigen::Matrix3d::Identity();
+    c.observed_px = project(kCamera, c.P_previous_m) + 0.1 * synthetic::gaussian3(random);
+    points.push_back(c);
+  }
+  RobustGaussNewton gn{GaussNewtonConfig{}};
+  gn.prepare(kCamera, points, Eigen::Isometry3d::Identity());
+  const GaussNewtonResult result = gn.refine(Eigen::Isometry3d::Identity(), 1.0);
+  Matrix6d covariance;
+  ASSERT_TRUE(gn.covariance(result, covariance));
+  EXPECT_FALSE(gn.common_error(result).has_value());
+}
+
 }  // namespace
 }  // namespace egomod

@@ -84,6 +84,7 @@ class EgomotionEstimator {
 
   void keep_velocity(const Egomotion& motion);
   void adapt_noise_scale();
+  void note_common_error();
   [[nodiscard]] double lasting_share(const TrackSet& tracks) const;
   [[nodiscard]] VelocityState unknown_velocity() const;
   void watch_for_holes(const TrackSet& tracks);
@@ -103,7 +104,9 @@ class EgomotionEstimator {
   Vector6d to_other_pose_ = Vector6d::Zero();
   VelocityState velocity_;
   VelocityState habit_;  // the velocity, slowly followed: what constant motion means to a rival
-  double noise_scale_ = 1.0;  // of the observations' covariances, learnt from the residuals
+  double noise_scale_ = 1.0;         // of the observations' covariances, learnt from the residuals
+  double common_error_ = 1.0;        // by how much errors in common add to the pose's covariance
+  double common_error_pairs_ = 1.0;  // that it was learnt from
 
   bool started_ = false;
   StereoCamera camera_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -31,6 +32,9 @@ class GaussNewtonSolver {
                                     std::span<const Correspondence> correspondences,
                                     const Eigen::Isometry3d& start);
 
+  // By how much the covariance of the last solution would be larger if neighbours erred together.
+  [[nodiscard]] std::optional<double> common_error() { return gauss_newton_.common_error(last_); }
+
   // Squared Mahalanobis distances of the correspondences that were solved last.
   void measure_distances2(const Eigen::Isometry3d& T_current_previous,
                           std::vector<double>& distances2) const {
@@ -46,6 +50,7 @@ class GaussNewtonSolver {
 
   RansacConfig ransac_;
   RobustGaussNewton gauss_newton_;
+  GaussNewtonResult last_;
 };
 
 }  // namespace egomod

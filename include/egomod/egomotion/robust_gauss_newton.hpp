@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -62,6 +63,12 @@ class RobustGaussNewton {
   // residuals with it; false when the points do not fix all six degrees of freedom.
   [[nodiscard]] bool covariance(const GaussNewtonResult& result, Matrix6d& covariance);
 
+  // By how much the covariance found last would be larger if points that are near each other, in
+  // the image and in depth, erred together: the trace of the cluster-robust sandwich (K.-Y. Liang,
+  // S. Zeger, Biometrika 73, 1986) by that of the plain one, on average 1 where all err on their
+  // own. One pair tells it roughly. Nothing where the points fill too few cells.
+  [[nodiscard]] std::optional<double> common_error(const GaussNewtonResult& result);
+
   // Squared Mahalanobis distances of all points; resizes `distances2`.
   void measure_distances2(const Eigen::Isometry3d& T_current_previous,
                           std::vector<double>& distances2) const;
@@ -78,6 +85,13 @@ class RobustGaussNewton {
 
   void add(const Correspondence& c, const Eigen::Isometry3d& T_current_previous);
   void fill_up();
+  // Cells of the image, each once near and once far: a systematic error of the images, or of the
+  // map, is about the same in one.
+  static constexpr std::size_t kCellColumns = 4;
+  static constexpr std::size_t kCellRows = 3;
+  static constexpr std::size_t kCells = 2 * kCellColumns * kCellRows;
+  [[nodiscard]] std::size_t cell_of(std::size_t i, double median_disparity_px) const;
+  void sort_into_cells();
   [[nodiscard]] double residual_scale();  // of the last distances
   [[nodiscard]] double robust_sum(const Eigen::Isometry3d& T_previous_current, double kernel);
 
@@ -88,6 +102,10 @@ class RobustGaussNewton {
   std::vector<double> distances2_;
   std::vector<double> scratch_;
   double total_weight_ = 0.0;
+  Matrix6d noise_ = Matrix6d::Zero();  // of the normal equations' right side, by the covariance
+  std::array<std::vector<double>, kColumns> by_cell_;  // the columns, a cell filled up each
+  std::array<std::size_t, kCells + 1> cell_begins_{};
+  std::vector<std::size_t> cells_;  // of the points
 };
 
 }  // namespace egomod
