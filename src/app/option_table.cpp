@@ -45,7 +45,7 @@ constexpr Option kOptions[] = {
     TEXT(capture.left_channel, "bot_core.image_t channel of the left camera, for log and lcm; empty: EGOMOD_IMAGES"),
     TEXT(capture.right_channel, "The same of the right camera"),
 
-    NUMBER(features.max_tracks, 0, 20000, "tracks", "Points followed at a time, 16 or more; 0: 1000 where the processor has AVX2, 600 where it has not"),
+    NUMBER(features.max_tracks, 0, 20000, "tracks", "Points followed at a time, 16 or more; 0: 1000 where the processor has AVX2, 550 where it has not"),
     NUMBER(features.max_disparity_share, 0.01, 1, "of the image width", "Disparities searched"),
     NUMBER(features.search_radius_share, 0.01, 1, "of the image width", "Search between two pairs when no motion is known"),
 

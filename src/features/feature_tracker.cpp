@@ -28,7 +28,7 @@ constexpr float kBridgingShare = 0.3F;
 constexpr float kSurpriseShare = 0.5F;
 // Beyond 1000 the drift does not fall; see docs/egomotion.md for what each costs.
 constexpr int kMaxTracks = 1000;
-constexpr int kMaxTracksBaseline = 600;
+constexpr int kMaxTracksBaseline = 550;
 constexpr float kMaxNccDrop = 0.06F;    // below the track's own level
 constexpr float kMaxDeviation = 0.45F;  // of the warp from the identity
 constexpr float kFirstNccLevel = 0.9F;

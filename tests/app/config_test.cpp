@@ -198,7 +198,7 @@ TEST(ConfigCheck, refuses_an_instruction_set_that_is_none) {
 TEST(ConfigCheck, tells_what_is_left_to_the_machine) {
   Config config;
   setenv("EGOMOD_INSTRUCTION_SET", "baseline", 1);
-  EXPECT_EQ(choices_of_machine(config), "up to 600 tracks, kernels for baseline");
+  EXPECT_EQ(choices_of_machine(config), "up to 550 tracks, kernels for baseline");
   unsetenv("EGOMOD_INSTRUCTION_SET");
   config.features.max_tracks = 77;
   EXPECT_THAT(choices_of_machine(config), StartsWith("up to 77 tracks"));
