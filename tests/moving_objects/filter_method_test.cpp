@@ -225,7 +225,7 @@ TEST_F(Filter, WhatStartsAfterOneSecondOfRestIsFoundAtOnce) {
   int pair = 0;
   for (; pair < 30; ++pair) run(pair);
   turn(pair - 1, 300, {0.5, 0.0, 0.0});
-  for (; pair < 34; ++pair) run(pair);
+  for (; pair < 33; ++pair) run(pair);
   ASSERT_EQ(moving(), 1);
   const MovingObject& object = objects.objects.front();
   const Eigen::Vector3d error_mps = object.velocity_mps - Eigen::Vector3d(0.5, 0.0, 0.0);

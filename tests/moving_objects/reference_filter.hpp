@@ -139,6 +139,7 @@ inline void move_from_here(TrackFilter& f, const PointMeasurement& measurement,
       measurement.covariance_m2 + measurement.bias_m * measurement.bias_m.transpose();
   f.moving.covariance.diagonal().tail<3>().setConstant(prior.velocity_mps * prior.velocity_mps);
   f.moving.bias_covariance << -measurement.bias_m, Eigen::Vector3d::Zero();
+  f.evidence = 0.0;
   f.misfit = kFittingChi2;
   f.fresh = f.seen;
   f.stood = false;
