@@ -24,6 +24,7 @@ constexpr double kMaxShareTried = 0.19;
 Seeding::Seeding(int capacity, const CornerConfig& corners, const DisparityConfig& disparity)
     : detector_(corners),
       search_(disparity),
+      surroundings_(capacity),
       half_full_(static_cast<std::size_t>(capacity) / 2),
       max_tries_when_half_full_(static_cast<std::size_t>(kMaxShareTried * capacity)) {
   const auto n = 2 * static_cast<std::size_t>(capacity);
@@ -61,9 +62,10 @@ void Seeding::seed(const StereoImages& images, const Skew& skew, TrackStore& sto
     if (!found.valid || !is_consistent(images, left, found)) continue;
     store.add(images.left.level(0), pixels_[i], corners_[i].kind).stereo = found;
   }
+  surroundings_.sort(store);
   for (std::size_t i = old; i < store.points().size(); ++i) {
     FollowedPoint& point = store.points()[i];
-    point.stereo = settle_by_neighbours(images, skew, store, point);
+    point.stereo = settle_by_neighbours(images, skew, surroundings_, point);
   }
   store.drop_if([](const FollowedPoint& point) { return point.age == 0 && !point.stereo.valid; });
 }

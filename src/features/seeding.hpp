@@ -7,6 +7,7 @@
 #include "egomod/features/disparity_search.hpp"
 #include "skew.hpp"
 #include "stereo_images.hpp"
+#include "surroundings.hpp"
 #include "track_store.hpp"
 
 namespace egomod {
@@ -22,6 +23,7 @@ class Seeding {
  private:
   CornerDetector detector_;
   DisparitySearch search_;
+  Surroundings surroundings_;
   std::size_t half_full_;
   std::size_t max_tries_when_half_full_;
   std::vector<ImagePoint> occupied_;

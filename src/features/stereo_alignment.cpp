@@ -193,7 +193,8 @@ bool closes_circle(const StereoImages& previous, const StereoImages& current,
          std::hypot(result.step_u_px, result.step_v_px) < kMaxClosure_px;
 }
 
-StereoAlignment::StereoAlignment(int capacity, const DisparityConfig& config) : search_(config) {
+StereoAlignment::StereoAlignment(int capacity, const DisparityConfig& config)
+    : search_(config), surroundings_(capacity) {
   const auto n = static_cast<std::size_t>(capacity);
   lost_.reserve(n);
   pixels_.reserve(n);
@@ -209,15 +210,16 @@ void StereoAlignment::measure(const StereoImages& previous, const StereoImages& 
     skew.turn(surprises_);
   }
   measure_predicted(previous, current, skew, store);
+  surroundings_.sort(store);
   search_lost(previous, current, skew, store);
   find_refuted(current, store);
 }
 
 // Each point's turn comes every so many pairs.
-void StereoAlignment::find_refuted(const StereoImages& current, TrackStore& store) {
+void StereoAlignment::find_refuted(const StereoImages& current, TrackStore& store) const {
   for (FollowedPoint& point : store.points()) {
     if (!point.stereo.valid || (point.age + point.id) % kPairsToCheck != 0) continue;
-    point.refuted = is_neighbours(current, store, point);
+    point.refuted = is_neighbours(current, surroundings_, point);
   }
 }
 
@@ -280,7 +282,7 @@ void StereoAlignment::search_lost(const StereoImages& previous, const StereoImag
     if (!trustworthy(previous, current, point, found)) continue;
     FollowedPoint candidate = point;
     candidate.stereo = found;
-    const StereoMeasurement settled = settle_by_neighbours(current, skew, store, candidate);
+    const StereoMeasurement settled = settle_by_neighbours(current, skew, surroundings_, candidate);
     if (settled.valid) adopt(settled, point);
   }
 }

@@ -6,6 +6,7 @@
 #include "egomod/features/disparity_search.hpp"
 #include "skew.hpp"
 #include "stereo_images.hpp"
+#include "surroundings.hpp"
 #include "track_store.hpp"
 
 namespace egomod {
@@ -51,10 +52,10 @@ class StereoAlignment {
                          const Skew& skew, TrackStore& store);
   void search_lost(const StereoImages& previous, const StereoImages& current, const Skew& skew,
                    TrackStore& store);
-
-  static void find_refuted(const StereoImages& current, TrackStore& store);
+  void find_refuted(const StereoImages& current, TrackStore& store) const;
 
   DisparitySearch search_;
+  Surroundings surroundings_;
   std::vector<std::size_t> lost_;
   std::vector<PixelPosition> pixels_;
   std::vector<PixelPosition> right_shifts_;  // parallel to it; empty without skew

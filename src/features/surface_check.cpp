@@ -11,9 +11,8 @@
 namespace egomod {
 namespace {
 
-constexpr float kReach_px = 80.0F;
 constexpr std::size_t kNearest = 6;  // are tried
-constexpr int kEnough = 3;  // around a point that none of them has a surface in common with
+constexpr std::size_t kEnough = 3;  // around a point that none of them has a surface in common with
 constexpr int kBackSteps = 5;
 constexpr float kSupport_px = 2.0F;
 constexpr float kSlopeError = 0.05F;
@@ -34,38 +33,22 @@ StereoMeasurement carried_on(const FollowedPoint& neighbour, ImagePoint to) {
   return plane;
 }
 
-// Points around one whose disparity is known: the nearest of them, the nearest first, and how many
-// lie on a surface with it.
+// The nearest points whose disparity is known, the nearest first.
 class Neighbours {
  public:
-  Neighbours(const TrackStore& store, const FollowedPoint& point) {
-    for (const FollowedPoint& other : store.points()) {
-      const ImagePoint off = other.left - point.left;
-      if (std::abs(off.u_px) > kReach_px || std::abs(off.v_px) > kReach_px || !other.stereo.valid ||
-          other.id == point.id)
-        continue;
+  Neighbours(const Surroundings& surroundings, const FollowedPoint& point) {
+    surroundings.each_around(point.left, [&](const FollowedPoint& other, ImagePoint off) {
       const float distance2_px2 = off.u_px * off.u_px + off.v_px * off.v_px;
-      const float error_px = kSupport_px + kSlopeError * std::sqrt(distance2_px2);
-      supporters_ += std::abs(carried_on(other, point.left).disparity_px -
-                              point.stereo.disparity_px) < error_px;
-      add({&other, distance2_px2});
-    }
+      if (count_ == kNearest && distance2_px2 >= nearest_.back().distance2_px2) return;
+      if (other.stereo.valid && other.id != point.id) add({&other, distance2_px2});
+    });
   }
   [[nodiscard]] auto begin() const { return nearest_.begin(); }
   [[nodiscard]] auto end() const { return nearest_.begin() + static_cast<std::ptrdiff_t>(count_); }
-  // No neighbour has a surface in common with the point, and what is nearest lies outside of the
-  // right image there: so does the point.
-  [[nodiscard]] bool show_outside(const FollowedPoint& point) const {
-    const auto outside = std::count_if(begin(), end(), [&](const Neighbour& neighbour) {
-      return carried_on(*neighbour.point, point.left).disparity_px >
-             point.left.u_px - static_cast<float>(kPatchRadiusU_px);
-    });
-    return supporters_ == 0 && count_ >= kEnough && 2 * static_cast<std::size_t>(outside) > count_;
-  }
+  [[nodiscard]] std::size_t count() const { return count_; }
 
  private:
   void add(Neighbour neighbour) {
-    if (count_ == kNearest && neighbour.distance2_px2 >= nearest_.back().distance2_px2) return;
     if (count_ < kNearest) ++count_;
     std::size_t i = count_ - 1;
     for (; i > 0 && nearest_[i - 1].distance2_px2 > neighbour.distance2_px2; --i)
@@ -75,8 +58,32 @@ class Neighbours {
 
   std::array<Neighbour, kNearest> nearest_{};
   std::size_t count_ = 0;
-  int supporters_ = 0;
 };
+
+bool has_surface_in_common(const Surroundings& surroundings, const FollowedPoint& point) {
+  bool has = false;
+  surroundings.each_around(point.left, [&](const FollowedPoint& other, ImagePoint off) {
+    if (!other.stereo.valid || other.id == point.id) return;
+    const float error_px = kSupport_px + kSlopeError * std::hypot(off.u_px, off.v_px);
+    has = has || std::abs(carried_on(other, point.left).disparity_px - point.stereo.disparity_px) <
+                     error_px;
+  });
+  return has;
+}
+
+// No neighbour has a surface in common with the point, and what is nearest lies outside of the
+// right image there: so does the point.
+bool lies_outside(const Surroundings& surroundings, const Neighbours& neighbours,
+                  const FollowedPoint& point) {
+  const auto outside =
+      std::count_if(neighbours.begin(), neighbours.end(), [&](const Neighbour& neighbour) {
+        return carried_on(*neighbour.point, point.left).disparity_px >
+               point.left.u_px - static_cast<float>(kPatchRadiusU_px);
+      });
+  return neighbours.count() >= kEnough &&
+         2 * static_cast<std::size_t>(outside) > neighbours.count() &&
+         !has_surface_in_common(surroundings, point);
+}
 
 bool same(const StereoMeasurement& a, const StereoMeasurement& b) {
   return std::abs(a.disparity_px - b.disparity_px) <= kSameDisparity_px;
@@ -133,9 +140,10 @@ bool is_claimed(const StereoImages& images, const FollowedPoint& point, const Su
 }  // namespace
 
 StereoMeasurement settle_by_neighbours(const StereoImages& images, const Skew& skew,
-                                       const TrackStore& store, const FollowedPoint& point) {
+                                       const Surroundings& surroundings,
+                                       const FollowedPoint& point) {
   const StereoMeasurement& own = point.stereo;
-  const Neighbours neighbours(store, point);
+  const Neighbours neighbours(surroundings, point);
   const Surfaces rivals = rivals_of(neighbours, point);
   StereoMeasurement other;  // the best one that differs
   for (const StereoMeasurement& start : rivals.all()) {
@@ -146,13 +154,14 @@ StereoMeasurement settle_by_neighbours(const StereoImages& images, const Skew& s
   }
   if (other.valid && fits_clearly_better(other.ncc, own.ncc)) return other;
   const bool stays = (!other.valid || fits_clearly_better(own.ncc, other.ncc)) &&
-                     !neighbours.show_outside(point) && !is_claimed(images, point, rivals);
+                     !lies_outside(surroundings, neighbours, point) &&
+                     !is_claimed(images, point, rivals);
   return stays ? own : StereoMeasurement{};
 }
 
-bool is_neighbours(const StereoImages& images, const TrackStore& store,
+bool is_neighbours(const StereoImages& images, const Surroundings& surroundings,
                    const FollowedPoint& point) {
-  return is_claimed(images, point, rivals_of(Neighbours(store, point), point));
+  return is_claimed(images, point, rivals_of(Neighbours(surroundings, point), point));
 }
 
 }  // namespace egomod

@@ -3,7 +3,7 @@
 
 #include "skew.hpp"
 #include "stereo_images.hpp"
-#include "track_store.hpp"
+#include "surroundings.hpp"
 
 namespace egomod {
 
@@ -14,12 +14,12 @@ namespace egomod {
 // right image shows belongs to a neighbour's surface, or where the neighbours' surfaces lie
 // outside of the right image and none bears the match out.
 [[nodiscard]] StereoMeasurement settle_by_neighbours(const StereoImages& images, const Skew& skew,
-                                                     const TrackStore& store,
+                                                     const Surroundings& surroundings,
                                                      const FollowedPoint& point);
 
 // What the right image shows at the point's match is on a neighbour's surface, at another place of
 // the left image: the right camera does not see the point.
-[[nodiscard]] bool is_neighbours(const StereoImages& images, const TrackStore& store,
+[[nodiscard]] bool is_neighbours(const StereoImages& images, const Surroundings& surroundings,
                                  const FollowedPoint& point);
 
 }  // namespace egomod

@@ -31,6 +31,12 @@ StereoImages view(Grey grey, Disparity disparity_px) {
   return images;
 }
 
+Surroundings surroundings_of(const TrackStore& store) {
+  Surroundings surroundings(8);
+  surroundings.sort(store);
+  return surroundings;
+}
+
 // A point with a match of its own, among neighbours that lie on a plane.
 struct Scene {
   Scene(const StereoImages& images, StereoMeasurement own, StereoMeasurement neighbours) {
@@ -46,7 +52,7 @@ struct Scene {
     store.add(left, kPlace, CornerKind::kDark).stereo = own;
   }
   [[nodiscard]] StereoMeasurement settled(const StereoImages& images) const {
-    return settle_by_neighbours(images, Skew(), store, store.points().back());
+    return settle_by_neighbours(images, Skew(), surroundings_of(store), store.points().back());
   }
   TrackStore store{8};
 };
@@ -89,10 +95,10 @@ TEST(SurfaceCheckTest, WhatTheRightImageShowsBelongsToOnePlaceOnly) {
   images.take(pair);
   const StereoMeasurement on_wall{.disparity_px = kWall_px, .ncc = 0.99F};
   const Scene wrong(images, {.disparity_px = kWall_px + kOff_px, .ncc = 0.97F}, on_wall);
-  EXPECT_TRUE(is_neighbours(images, wrong.store, wrong.store.points().back()));
+  EXPECT_TRUE(is_neighbours(images, surroundings_of(wrong.store), wrong.store.points().back()));
   EXPECT_FALSE(wrong.settled(images).valid);
   const Scene right(images, on_wall, on_wall);
-  EXPECT_FALSE(is_neighbours(images, right.store, right.store.points().back()));
+  EXPECT_FALSE(is_neighbours(images, surroundings_of(right.store), right.store.points().back()));
 }
 
 // Near the left border the right camera does not see what is near.
@@ -110,9 +116,11 @@ TEST(SurfaceCheckTest, WhatLiesOutsideOfTheRightImageHasNoMatch) {
   };
   add(0, kFar);
   for (const int off_px : {10, 20, 30}) add(off_px, {.disparity_px = 70.0F, .ncc = 0.95F});
-  EXPECT_FALSE(settle_by_neighbours(images, Skew(), store, store.points().front()).valid);
+  EXPECT_FALSE(
+      settle_by_neighbours(images, Skew(), surroundings_of(store), store.points().front()).valid);
   add(-15, kFar);  // so there is something far
-  EXPECT_TRUE(settle_by_neighbours(images, Skew(), store, store.points().front()).valid);
+  EXPECT_TRUE(
+      settle_by_neighbours(images, Skew(), surroundings_of(store), store.points().front()).valid);
 }
 
 TEST(SurfaceCheckTest, WhatFitsBothPlacesAlikeIsNoMatch) {
