@@ -219,7 +219,7 @@ void StereoAlignment::measure(const StereoImages& previous, const StereoImages& 
 void StereoAlignment::find_refuted(const StereoImages& current, TrackStore& store) const {
   for (FollowedPoint& point : store.points()) {
     if (!point.stereo.valid || (point.age + point.id) % kPairsToCheck != 0) continue;
-    point.refuted = is_neighbours(current, surroundings_, point);
+    point.refuted = belongs_to_another(current, surroundings_, point);
   }
 }
 

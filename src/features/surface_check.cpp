@@ -33,11 +33,11 @@ StereoMeasurement carried_on(const FollowedPoint& neighbour, ImagePoint to) {
   return plane;
 }
 
-// The nearest points whose disparity is known, the nearest first.
+// The points nearest to one in an image, of those whose disparity is known, the nearest first.
 class Neighbours {
  public:
-  Neighbours(const Surroundings& surroundings, const FollowedPoint& point) {
-    surroundings.each_around(point.left, [&](const FollowedPoint& other, ImagePoint off) {
+  Neighbours(const PlaceGrid& grid, ImagePoint centre, const FollowedPoint& point) {
+    grid.each_around(centre, [&](const FollowedPoint& other, ImagePoint off) {
       const float distance2_px2 = off.u_px * off.u_px + off.v_px * off.v_px;
       if (count_ == kNearest && distance2_px2 >= nearest_.back().distance2_px2) return;
       if (other.stereo.valid && other.id != point.id) add({&other, distance2_px2});
@@ -60,9 +60,9 @@ class Neighbours {
   std::size_t count_ = 0;
 };
 
-bool has_surface_in_common(const Surroundings& surroundings, const FollowedPoint& point) {
+bool has_surface_in_common(const PlaceGrid& left, const FollowedPoint& point) {
   bool has = false;
-  surroundings.each_around(point.left, [&](const FollowedPoint& other, ImagePoint off) {
+  left.each_around(point.left, [&](const FollowedPoint& other, ImagePoint off) {
     if (!other.stereo.valid || other.id == point.id) return;
     const float error_px = kSupport_px + kSlopeError * std::hypot(off.u_px, off.v_px);
     has = has || std::abs(carried_on(other, point.left).disparity_px - point.stereo.disparity_px) <
@@ -73,8 +73,7 @@ bool has_surface_in_common(const Surroundings& surroundings, const FollowedPoint
 
 // No neighbour has a surface in common with the point, and what is nearest lies outside of the
 // right image there: so does the point.
-bool lies_outside(const Surroundings& surroundings, const Neighbours& neighbours,
-                  const FollowedPoint& point) {
+bool lies_outside(const PlaceGrid& left, const Neighbours& neighbours, const FollowedPoint& point) {
   const auto outside =
       std::count_if(neighbours.begin(), neighbours.end(), [&](const Neighbour& neighbour) {
         return carried_on(*neighbour.point, point.left).disparity_px >
@@ -82,7 +81,7 @@ bool lies_outside(const Surroundings& surroundings, const Neighbours& neighbours
       });
   return neighbours.count() >= kEnough &&
          2 * static_cast<std::size_t>(outside) > neighbours.count() &&
-         !has_surface_in_common(surroundings, point);
+         !has_surface_in_common(left, point);
 }
 
 bool same(const StereoMeasurement& a, const StereoMeasurement& b) {
@@ -124,9 +123,12 @@ Surfaces rivals_of(const Neighbours& neighbours, const FollowedPoint& point) {
   return rivals;
 }
 
-// What the right image shows at the match lies on one of the surfaces, at another place of the left
-// image: the right camera does not see the point.
-bool is_claimed(const StereoImages& images, const FollowedPoint& point, const Surfaces& surfaces) {
+}  // namespace
+
+bool belongs_to_another(const StereoImages& images, const Surroundings& surroundings,
+                        const FollowedPoint& point) {
+  const ImagePoint right = right_of(point.left, point.stereo);
+  const Surfaces surfaces = rivals_of(Neighbours(surroundings.right, right, point), point);
   const auto ncc_back = [&](const StereoMeasurement& on, float off_px) {
     return align_back(images, point.left, point.stereo, on, off_px, kBackSteps).ncc;
   };
@@ -137,13 +139,11 @@ bool is_claimed(const StereoImages& images, const FollowedPoint& point, const Su
   });
 }
 
-}  // namespace
-
 StereoMeasurement settle_by_neighbours(const StereoImages& images, const Skew& skew,
                                        const Surroundings& surroundings,
                                        const FollowedPoint& point) {
   const StereoMeasurement& own = point.stereo;
-  const Neighbours neighbours(surroundings, point);
+  const Neighbours neighbours(surroundings.left, point.left, point);
   const Surfaces rivals = rivals_of(neighbours, point);
   StereoMeasurement other;  // the best one that differs
   for (const StereoMeasurement& start : rivals.all()) {
@@ -154,14 +154,9 @@ StereoMeasurement settle_by_neighbours(const StereoImages& images, const Skew& s
   }
   if (other.valid && fits_clearly_better(other.ncc, own.ncc)) return other;
   const bool stays = (!other.valid || fits_clearly_better(own.ncc, other.ncc)) &&
-                     !lies_outside(surroundings, neighbours, point) &&
-                     !is_claimed(images, point, rivals);
+                     !lies_outside(surroundings.left, neighbours, point) &&
+                     !belongs_to_another(images, surroundings, point);
   return stays ? own : StereoMeasurement{};
-}
-
-bool is_neighbours(const StereoImages& images, const Surroundings& surroundings,
-                   const FollowedPoint& point) {
-  return is_claimed(images, point, rivals_of(Neighbours(surroundings, point), point));
 }
 
 }  // namespace egomod

@@ -5,25 +5,43 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 #include "track_store.hpp"
 
 namespace egomod {
 
-// Finds the points around one without looking at all of them: they are sorted into cells as wide as
-// the reach. Nothing is allocated after construction.
-class Surroundings {
+// Finds points by their place in one image without looking at all of them: they are sorted into
+// cells as wide as the reach. Nothing is allocated after construction.
+class PlaceGrid {
  public:
   static constexpr float kReach_px = 80.0F;
 
-  explicit Surroundings(int capacity) {
+  explicit PlaceGrid(int capacity) {
     cells_.reserve(static_cast<std::size_t>(capacity));
     places_.reserve(static_cast<std::size_t>(capacity));
   }
 
   // Holds until points are added, dropped or moved.
-  void sort(const TrackStore& store);
+  template <typename Where>
+  void sort(const std::vector<FollowedPoint>& points, Where where) {
+    points_ = &points;
+    cells_.clear();
+    starts_.fill(0);
+    for (const FollowedPoint& point : points) {
+      const ImagePoint at = where(point);
+      cells_.push_back(static_cast<std::uint32_t>(cell(cell_along(at.u_px), cell_along(at.v_px))));
+      ++starts_[cells_.back() + 1];
+    }
+    std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
+    places_.resize(cells_.size());
+    // From the last on, each takes the last free place of its cell.
+    std::array<std::uint32_t, kCells * kCells> ends;
+    std::copy(starts_.begin() + 1, starts_.end(), ends.begin());
+    for (std::size_t i = cells_.size(); i > 0; --i)
+      places_[--ends[cells_[i - 1]]] = {where(points[i - 1]), static_cast<std::uint32_t>(i - 1)};
+  }
 
   // Calls `visit(other, off)` for all points within the reach along each axis, that at `centre`
   // too. `off` is how far from there.
@@ -33,7 +51,7 @@ class Surroundings {
     const int first = std::max(column - 1, 0), last = std::min(column + 1, kCells - 1);
     for (int r = std::max(row - 1, 0); r <= std::min(row + 1, kCells - 1); ++r) {
       for (auto i = starts_[cell(first, r)]; i < starts_[cell(last, r) + 1]; ++i) {
-        const ImagePoint off = places_[i].left - centre;
+        const ImagePoint off = places_[i].at - centre;
         if (std::abs(off.u_px) <= kReach_px && std::abs(off.v_px) <= kReach_px)
           visit((*points_)[places_[i].point], off);
       }
@@ -42,7 +60,7 @@ class Surroundings {
 
  private:
   struct Place {
-    ImagePoint left;
+    ImagePoint at;
     std::uint32_t point;
   };
 
@@ -59,6 +77,19 @@ class Surroundings {
   std::vector<Place> places_;         // cell by cell
   std::vector<std::uint32_t> cells_;  // of each point
   std::array<std::uint32_t, kCells * kCells + 1> starts_{};
+};
+
+// Where both images show the points, as far as their disparities are known.
+struct Surroundings {
+  explicit Surroundings(int capacity) : left(capacity), right(capacity) {}
+
+  void sort(const TrackStore& store) {
+    left.sort(store.points(), [](const FollowedPoint& point) { return point.left; });
+    right.sort(store.points(),
+               [](const FollowedPoint& point) { return right_of(point.left, point.stereo); });
+  }
+
+  PlaceGrid left, right;
 };
 
 }  // namespace egomod

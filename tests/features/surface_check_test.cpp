@@ -95,10 +95,12 @@ TEST(SurfaceCheckTest, WhatTheRightImageShowsBelongsToOnePlaceOnly) {
   images.take(pair);
   const StereoMeasurement on_wall{.disparity_px = kWall_px, .ncc = 0.99F};
   const Scene wrong(images, {.disparity_px = kWall_px + kOff_px, .ncc = 0.97F}, on_wall);
-  EXPECT_TRUE(is_neighbours(images, surroundings_of(wrong.store), wrong.store.points().back()));
+  EXPECT_TRUE(
+      belongs_to_another(images, surroundings_of(wrong.store), wrong.store.points().back()));
   EXPECT_FALSE(wrong.settled(images).valid);
   const Scene right(images, on_wall, on_wall);
-  EXPECT_FALSE(is_neighbours(images, surroundings_of(right.store), right.store.points().back()));
+  EXPECT_FALSE(
+      belongs_to_another(images, surroundings_of(right.store), right.store.points().back()));
 }
 
 // Near the left border the right camera does not see what is near.

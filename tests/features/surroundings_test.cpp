@@ -26,15 +26,14 @@ TEST(SurroundingsTest, AreTheOthersWithinReachAndNoneElse) {
   surroundings.sort(store);
   for (const FollowedPoint& point : store.points()) {
     std::multiset<std::uint64_t> found, wanted;
-    surroundings.each_around(point.left, [&](const FollowedPoint& other, ImagePoint off) {
+    surroundings.left.each_around(point.left, [&](const FollowedPoint& other, ImagePoint off) {
       EXPECT_EQ(off.u_px, other.left.u_px - point.left.u_px);
       EXPECT_EQ(off.v_px, other.left.v_px - point.left.v_px);
       found.insert(other.id);
     });
     for (const FollowedPoint& other : store.points()) {
       const ImagePoint off = other.left - point.left;
-      if (std::abs(off.u_px) <= Surroundings::kReach_px &&
-          std::abs(off.v_px) <= Surroundings::kReach_px)
+      if (std::abs(off.u_px) <= PlaceGrid::kReach_px && std::abs(off.v_px) <= PlaceGrid::kReach_px)
         wanted.insert(other.id);
     }
     EXPECT_EQ(found, wanted);
