@@ -83,6 +83,15 @@ float intersection_px2(const PixelRect& a, const PixelRect& b) {
   return std::max(0.0F, width) * std::max(0.0F, height);
 }
 
+PixelRect gap_between(const PixelRect& a, const PixelRect& b) {
+  const auto [u_low, u_high] =
+      std::minmax(std::max(a.u_min_px, b.u_min_px), std::min(a.u_max_px, b.u_max_px));
+  const auto [v_low, v_high] =
+      std::minmax(std::max(a.v_min_px, b.v_min_px), std::min(a.v_max_px, b.v_max_px));
+  if (intersection_px2(a, b) > 0.0F) return {0.0F, 0.0F, -1.0F, -1.0F};
+  return {u_low, v_low, u_high, v_high};
+}
+
 bool contains(const PixelRect& rectangle, const Eigen::Vector2d& pixel_px) {
   return pixel_px.x() >= rectangle.u_min_px && pixel_px.x() <= rectangle.u_max_px &&
          pixel_px.y() >= rectangle.v_min_px && pixel_px.y() <= rectangle.v_max_px;

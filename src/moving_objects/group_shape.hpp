@@ -27,6 +27,9 @@ using Members = std::span<const Grouper::Index>;  // into a vector of PointSampl
                                 const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m);
 
 [[nodiscard]] float intersection_px2(const PixelRect& a, const PixelRect& b);
+// What lies between the two along each axis where they do not overlap, and is common to both where
+// they do; empty if they overlap along both.
+[[nodiscard]] PixelRect gap_between(const PixelRect& a, const PixelRect& b);
 [[nodiscard]] bool contains(const PixelRect& rectangle, const Eigen::Vector2d& pixel_px);
 
 // Variance of a mean of K values whose errors correlate by rho: sigma^2 * this.

@@ -28,6 +28,8 @@ constexpr double kPartDepthShare = 1.0;
 constexpr double kPartSpeed_mps = 0.05;  // plus a share of the speed, 99 % and rotation
 constexpr double kPartSpeedShare = 0.03;
 constexpr double kPartChi2 = 11.34;
+constexpr double kPastDepth_m = 0.5;
+constexpr std::ptrdiff_t kLeastPast = 3;
 constexpr std::size_t kLimbRatio = 2;
 constexpr double kLimbReach_m = 0.3;  // from the rectangle
 constexpr float kUpright = 3.0F;      // of that, up and down
@@ -89,6 +91,18 @@ bool ObjectTable::are_near(const Tracked& a, const Tracked& b) const {
       std::sqrt(a.object.position_covariance_m2(2, 2) + b.object.position_covariance_m2(2, 2));
   return gap.head<2>().norm() < std::max(config_.neighbour_distance_m, kPartGapShare * size_m) &&
          gap.z() < std::max(config_.neighbour_depth_m, kPartDepthShare * size_m) + 2.5 * sigma_m;
+}
+
+// What rests behind both shows between them: they are two.
+bool ObjectTable::are_seen_past(std::span<const PointSample> points, const Tracked& a,
+                                const Tracked& b) {
+  const PixelRect gap = gap_between(a.object.rectangle, b.object.rectangle);
+  const auto far_side_m = [](const Box& box) { return box.centre_m.z() + 0.5 * box.size_m.z(); };
+  const double behind_m = std::max(far_side_m(a.box), far_side_m(b.box)) + kPastDepth_m;
+  const auto shows = std::count_if(points.begin(), points.end(), [&](const PointSample& point) {
+    return point.stands && point.position_m.z() > behind_m && contains(gap, point.pixel_px);
+  });
+  return shows >= kLeastPast;
 }
 
 ObjectTable::Box ObjectTable::joined(const Box& a, const Box& b) {
@@ -323,12 +337,13 @@ bool ObjectTable::is_proper(std::span<const PointSample> points, const Tracked& 
 }
 
 // A large body shows its texture in islands further apart than neighbours are: the younger of two
-// objects with one velocity, whose gap is small for their size, is part of the older one.
+// objects with one velocity, whose gap is small for their size and shows nothing behind, is
+// part of the older one.
 void ObjectTable::absorb_parts(const StereoCamera& camera, std::span<const PointSample> points) {
   for (auto older = objects_.begin(); older != objects_.end(); ++older) {
     const auto is_part = [&](const Tracked& younger) {
       if (!older->evident || !younger.evident || !are_near(*older, younger) ||
-          !move_as_one(older->object, younger.object))
+          !move_as_one(older->object, younger.object) || are_seen_past(points, *older, younger))
         return false;
       std::replace(owners_.begin(), owners_.end(), younger.object.id, older->object.id);
       older->confirmed = older->confirmed || younger.confirmed;

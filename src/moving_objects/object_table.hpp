@@ -71,6 +71,8 @@ class ObjectTable {
   };
 
   [[nodiscard]] bool are_near(const Tracked& a, const Tracked& b) const;
+  [[nodiscard]] static bool are_seen_past(std::span<const PointSample> points, const Tracked& a,
+                                          const Tracked& b);
   void move_on(const StereoCamera& camera, Nanoseconds exposure,
                const Eigen::Isometry3d& T_current_previous);
   void doubt(double elapsed_s, double unseen_s, MovingObject& object) const;

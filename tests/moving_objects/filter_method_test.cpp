@@ -161,6 +161,15 @@ TEST_F(Filter, IslandsOfOneLargeBodyAreOneObject) {
   EXPECT_EQ(moving(), 1);
 }
 
+// Near enough for their size to be islands of one body, but what rests behind shows between them.
+TEST_F(Filter, TwoThatAreSeenPastStayTwo) {
+  world.add_background(600, 9.0, 12.0);
+  world.add_box(60, {-0.5, 0.1, 5.0}, {0.5, 1.6, 0.4}, {0.0, 0.0, 0.4});
+  world.add_box(60, {0.5, 0.1, 5.0}, {0.5, 1.6, 0.4}, {0.0, 0.0, 0.4});
+  for (int pair = 0; pair < 40; ++pair) run(pair);
+  EXPECT_EQ(moving(), 2);
+}
+
 TEST_F(Filter, IdentityOutlastsOneSecondOutOfSight) {
   rest_rig();
   world.add_background(300);
