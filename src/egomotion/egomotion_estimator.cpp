@@ -32,8 +32,10 @@ constexpr double kInliersOfFullQuality = 100.0;
 // outweigh wheels.
 constexpr double kKnownShare = 0.4;
 constexpr double kExplainedShare = 0.8;
-// A map that contradicts this many pairs in a row is wrong itself.
+// A map that contradicts this many pairs in a row is wrong itself; a young one, begun on a blurred
+// image perhaps, sooner: it earns each of them by as many pairs that it explains.
 constexpr int kMostContradictedPairs = 3;
+constexpr int kPairsThatEarnOne = 3;
 
 }  // namespace
 
@@ -133,6 +135,7 @@ void EgomotionEstimator::start_anew(EstimateReason reason, const TrackSet& track
   is_lost_ = false;
   after_hole_ = false;
   contradicted_pairs_ = 0;
+  explained_pairs_ = 0;
   has_velocity_ = false;
   velocity_ = habit_ = unknown_velocity();
   against_map_.setZero();
@@ -304,6 +307,7 @@ void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution
                                 Egomotion& motion) {
   motion.status = EstimateStatus::kValid;
   contradicted_pairs_ = 0;
+  ++explained_pairs_;
   motion.reason = after_hole_ ? EstimateReason::kHole : EstimateReason::kNone;
   after_hole_ = false;
   const double share = motion.inliers / static_cast<double>(correspondences_.size());
@@ -346,7 +350,8 @@ void EgomotionEstimator::fail(EstimateReason reason, const TrackSet& tracks, Ego
   const bool contradicted =
       reason == EstimateReason::kFewInliers || reason == EstimateReason::kNotConverged;
   contradicted_pairs_ = contradicted ? contradicted_pairs_ + 1 : 0;
-  is_lost_ = is_lost_ || (config_.map && contradicted_pairs_ >= kMostContradictedPairs);
+  const int most = std::clamp(explained_pairs_ / kPairsThatEarnOne, 1, kMostContradictedPairs);
+  is_lost_ = is_lost_ || (config_.map && contradicted_pairs_ >= most);
   // Frame to frame the motion of this pair is lost; tracks in the map remember where they stood.
   if (!config_.map) pose_.doubt(motion.covariance_previous_current);
 }

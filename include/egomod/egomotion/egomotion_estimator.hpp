@@ -112,6 +112,7 @@ class EgomotionEstimator {
   StereoCamera camera_;
   bool is_lost_ = false;        // what is known of the past can no longer be used
   int contradicted_pairs_ = 0;  // in a row, that no motion against the map explains
+  int explained_pairs_ = 0;     // since the map was begun
   bool has_velocity_ = false;
   std::uint64_t last_tracked_sequence_ = 0;
   std::uint64_t skipped_ = 0;  // by capture.max_rate_hz since then
