@@ -8,57 +8,12 @@
 #include <ostream>
 #include <set>
 
-#include "egomod/moving_objects/moving_object_detector.hpp"
-#include "synthetic_tracks.hpp"
+#include "filter_fixture.hpp"
 
 namespace egomod {
 namespace {
 
 using synthetic::World;
-
-class Filter : public ::testing::Test {
- protected:
-  Filter() {
-    world.pixel_sigma = 0.18;
-    world.disparity_sigma_px = 0.25;
-  }
-  const MovingObjects& run(int pair, EstimateStatus status = EstimateStatus::kValid) {
-    const TrackSet tracks = world.tracks(pair);
-    Egomotion motion = world.motion(tracks, pair);
-    if (pair > 0) motion.status = status;
-    detector.detect(tracks, motion, objects);
-    return objects;
-  }
-  [[nodiscard]] int count(ObjectState state) const {
-    return static_cast<int>(std::count_if(objects.objects.begin(), objects.objects.end(),
-                                          [&](const auto& o) { return o.state == state; }));
-  }
-  [[nodiscard]] int moving() const { return count(ObjectState::kMoving); }
-  // Time from the start of the world to the first MOVING; 1000 when there is none by `limit_s`.
-  double delay_s(double limit_s) {
-    for (int pair = 0; world.time_s(pair) <= limit_s; ++pair) {
-      run(pair);
-      if (moving() > 0) return world.time_s(pair);
-    }
-    return 1000.0;
-  }
-  void rest_rig() {
-    world.rig_velocity_mps.setZero();
-    world.rig_yaw_rate_radps = 0.0;
-  }
-  // From this pair on the points from `first` on move with another velocity.
-  void turn(int pair, std::size_t first, const Eigen::Vector3d& velocity_mps) {
-    for (std::size_t i = first; i < world.points.size(); ++i) {
-      synthetic::Point& point = world.points[i];
-      point.at_start_m += world.time_s(pair) * (point.velocity_mps - velocity_mps);
-      point.velocity_mps = velocity_mps;
-    }
-  }
-
-  World world;
-  MovingObjectDetector detector{{.method = MovingObjectsMethod::kFilter}};
-  MovingObjects objects;
-};
 
 struct Delay {
   double depth_m;
@@ -136,40 +91,6 @@ TEST_F(Filter, SpeedOfACarNeedsNoOtherParameters) {
   EXPECT_NEAR(objects.objects.front().velocity_mps.z(), 14.0, 0.3);
 }
 
-TEST_F(Filter, TwoSideBySideWithOneVelocityStayTwo) {
-  world.add_background(300);
-  world.add_box(40, {-0.8, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.0, 0.0, 0.4});
-  world.add_box(40, {0.5, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.0, 0.0, 0.4});
-  for (int pair = 0; pair < 40; ++pair) run(pair);
-  EXPECT_EQ(moving(), 2);
-}
-
-TEST_F(Filter, OverlappingObjectsAreSplitByVelocity) {
-  world.add_background(300);
-  world.add_box(30, {0.0, 0.1, 5.0}, {0.4, 0.5, 0.4}, {0.5, 0.0, 0.0});
-  world.add_box(30, {0.0, 0.1, 5.0}, {0.4, 0.5, 0.4}, {-0.5, 0.0, 0.0});
-  for (int pair = 0; pair < 15; ++pair) run(pair);
-  EXPECT_EQ(moving(), 2);
-}
-
-TEST_F(Filter, IslandsOfOneLargeBodyAreOneObject) {
-  world.rate_hz = 10.0;
-  world.add_background(300, 20.0, 30.0);
-  world.add_box(30, {1.0, 0.5, 8.0}, {0.6, 1.2, 1.5}, {0.0, 0.0, 6.0});
-  world.add_box(30, {2.2, 0.5, 8.5}, {0.6, 1.2, 3.0}, {0.0, 0.0, 6.0});
-  for (int pair = 0; pair < 8; ++pair) run(pair);
-  EXPECT_EQ(moving(), 1);
-}
-
-// Near enough for their size to be islands of one body, but what rests behind shows between them.
-TEST_F(Filter, TwoThatAreSeenPastStayTwo) {
-  world.add_background(600, 9.0, 12.0);
-  world.add_box(60, {-0.5, 0.1, 5.0}, {0.5, 1.6, 0.4}, {0.0, 0.0, 0.4});
-  world.add_box(60, {0.5, 0.1, 5.0}, {0.5, 1.6, 0.4}, {0.0, 0.0, 0.4});
-  for (int pair = 0; pair < 40; ++pair) run(pair);
-  EXPECT_EQ(moving(), 2);
-}
-
 TEST_F(Filter, IdentityOutlastsOneSecondOutOfSight) {
   rest_rig();
   world.add_background(300);
@@ -240,110 +161,6 @@ TEST_F(Filter, WhatStartsAfterOneSecondOfRestIsFoundAtOnce) {
   const Eigen::Vector3d error_mps = object.velocity_mps - Eigen::Vector3d(0.5, 0.0, 0.0);
   EXPECT_LT(error_mps.norm(), 0.1);
   EXPECT_LT(error_mps.dot(object.velocity_covariance_m2ps2.ldlt().solve(error_mps)), 11.34);
-}
-
-TEST_F(Filter, EchoOfRepeatedTextureIsNoObject) {
-  world.rig_velocity_mps = {0.0, 0.0, 0.3};
-  world.rig_yaw_rate_radps = 0.0;
-  world.add_background(600, 9.5, 10.5);
-  // Matched one period off: at a fifth of its depth it seems to follow the rig.
-  world.add_box(12, {0.0, 0.0, 2.0}, {0.2, 0.2, 0.02}, {0.0, 0.0, 0.8 * 0.3});
-  for (int pair = 0; pair < 60; ++pair) {
-    run(pair);
-    ASSERT_EQ(moving(), 0) << "pair " << pair;
-  }
-}
-
-TEST_F(Filter, WhatIsKnownForLongIsNoEchoWhenItMovesLikeOne) {
-  world.rig_velocity_mps = {0.0, 0.0, 0.3};
-  world.rig_yaw_rate_radps = 0.0;
-  world.add_background(600, 9.5, 10.5);
-  world.add_box(12, {-0.6, 0.0, 2.0}, {0.2, 0.2, 0.02}, {0.3, 0.0, 0.8 * 0.3});
-  int pair = 0;
-  for (; pair < 45; ++pair) run(pair);
-  ASSERT_EQ(moving(), 1);
-  const std::int64_t id = objects.objects.front().id;
-  turn(pair - 1, 600, {0.0, 0.0, 0.8 * 0.3});
-  for (; pair < 90; ++pair) run(pair);
-  ASSERT_EQ(moving(), 1);
-  EXPECT_EQ(objects.objects.front().id, id);
-}
-
-TEST_F(Filter, EchoOfAMoversTextureIsNoObject) {
-  rest_rig();
-  world.add_background(300);
-  world.add_box(40, {-0.5, 0.0, 2.0}, {0.6, 0.6, 0.02}, {0.6, 0.0, 0.0});
-  // Matched wrong: it crosses the image like the mover, at one and a half times its depth.
-  world.add_box(8, {-0.75, 0.0, 3.0}, {0.3, 0.3, 0.02}, {0.9, 0.0, 0.0});
-  for (int pair = 0; pair < 40; ++pair) {
-    run(pair);
-    ASSERT_LE(moving(), 1) << "pair " << pair;
-  }
-  EXPECT_EQ(moving(), 1);
-}
-
-TEST_F(Filter, BorderThatOnlyChangesItsDepthIsNoObject) {
-  rest_rig();
-  world.add_background(300);
-  world.add_box(10, {-1.0, 0.0, 4.0}, {0.0, 1.2, 0.0}, {0.0, 0.0, 0.5});
-  for (int pair = 0; pair < 40; ++pair) {
-    run(pair);
-    ASSERT_EQ(moving(), 0) << "pair " << pair;
-  }
-}
-
-// Few points of one velocity on the trunk; legs swing to and fro, once in 1.2 s.
-TEST_F(Filter, WalkerIsOneObject) {
-  rest_rig();
-  world.add_background(300);
-  const Eigen::Vector3d walk_mps{1.0, 0.0, 0.1};
-  world.add_box(4, {-2.2, -0.3, 6.0}, {0.4, 0.4, 0.2}, walk_mps);
-  world.add_box(3, {-2.2, 0.3, 6.0}, {0.1, 0.3, 0.1}, walk_mps);
-  world.add_box(3, {-2.2, 0.3, 6.0}, {0.1, 0.3, 0.1}, walk_mps);
-  int seen = 0;
-  for (int pair = 0; pair < 90; ++pair) {
-    const double swing_mps = 0.9 * std::sin(2.0 * M_PI * world.time_s(pair) / 1.2);
-    turn(pair, 307, walk_mps - Eigen::Vector3d(swing_mps, 0.0, 0.0));
-    for (std::size_t i = 304; i < 307; ++i) {
-      synthetic::Point& point = world.points[i];
-      const Eigen::Vector3d now_mps = walk_mps + Eigen::Vector3d(swing_mps, 0.0, 0.0);
-      point.at_start_m += world.time_s(pair) * (point.velocity_mps - now_mps);
-      point.velocity_mps = now_mps;
-    }
-    run(pair);
-    ASSERT_LE(moving(), 1) << "pair " << pair;
-    seen += moving();
-  }
-  EXPECT_GT(seen, 70);
-  EXPECT_LT((objects.objects.front().velocity_mps - walk_mps).norm(), 0.15);
-}
-
-// In the middle of a step no five points have one velocity.
-TEST_F(Filter, WalkerInMidStepIsFoundWithItsLegs) {
-  rest_rig();
-  world.add_background(300);
-  const Eigen::Vector3d walk_mps{1.0, 0.0, 0.1};
-  const Eigen::Vector3d swing_mps{0.6, 0.0, 0.0};
-  world.add_box(4, {-1.2, -0.3, 6.0}, {0.4, 0.4, 0.2}, walk_mps);
-  world.add_box(3, {-1.3, 0.3, 6.0}, {0.1, 0.3, 0.1}, walk_mps + swing_mps);
-  world.add_box(3, {-1.1, 0.3, 6.0}, {0.1, 0.3, 0.1}, walk_mps - swing_mps);
-  for (int pair = 0; pair < 18; ++pair) run(pair);
-  ASSERT_EQ(moving(), 1);
-  EXPECT_GE(objects.objects.front().points, 9);
-  EXPECT_LT((objects.objects.front().velocity_mps - walk_mps).norm(), 0.15);
-}
-
-TEST_F(Filter, ArmBesideItsTrunkIsNoObject) {
-  rest_rig();
-  world.add_background(300);
-  const Eigen::Vector3d walk_mps{0.8, 0.0, 0.0};
-  world.add_box(30, {-1.0, 0.0, 5.0}, {0.4, 0.9, 0.2}, walk_mps);
-  world.add_box(7, {-0.9, 0.1, 4.9}, {0.1, 0.5, 0.1}, {1.3, 0.0, 0.0});
-  for (int pair = 0; pair < 15; ++pair) {
-    run(pair);
-    ASSERT_LE(moving(), 1) << "pair " << pair;
-  }
-  EXPECT_EQ(moving(), 1);
 }
 
 TEST_F(Filter, AmbiguousMotionConfirmsNothing) {
