@@ -67,6 +67,17 @@ struct NoisyFit {
   double common_error = 0.0;
 };
 
+struct FoundMotion {
+  explicit FoundMotion(const std::vector<Correspondence>& points) {
+    gn.prepare(kCamera, points, Eigen::Isometry3d::Identity());
+    result = gn.refine(Eigen::Isometry3d::Identity(), 1.0);
+    EXPECT_TRUE(gn.covariance(result, covariance));
+  }
+  RobustGaussNewton gn{GaussNewtonConfig{}};
+  GaussNewtonResult result;
+  Matrix6d covariance;
+};
+
 // `shear_px`: how far rows are displaced, from the upper to the lower edge, on top of the noise.
 NoisyFit fit_noisy(std::uint32_t seed, double shear_px) {
   constexpr int kPoints = 600;
@@ -82,13 +93,10 @@ NoisyFit fit_noisy(std::uint32_t seed, double shear_px) {
     c.observed_px += sigma_px.cwiseProduct(synthetic::gaussian3(random));
     points.push_back(c);
   }
-  RobustGaussNewton gn{GaussNewtonConfig{}};
-  gn.prepare(kCamera, points, Eigen::Isometry3d::Identity());
-  const GaussNewtonResult result = gn.refine(Eigen::Isometry3d::Identity(), 1.0);
-  Matrix6d covariance;
-  EXPECT_TRUE(gn.covariance(result, covariance));
-  const Vector6d e = se3_log(result.T_previous_current);
-  return {e.dot(covariance.ldlt().solve(e)), gn.common_error(result).value_or(0.0)};
+  FoundMotion found(points);
+  const Vector6d e = se3_log(found.result.T_previous_current);
+  return {e.dot(found.covariance.ldlt().solve(e)),
+          found.gn.common_error(found.result).value_or(0.0)};
 }
 
 TEST(RobustGaussNewton, CovarianceIsThatOfTheErrors) {
@@ -122,12 +130,8 @@ TEST(RobustGaussNewton, PointsInOneCellDoNotTellWhatIsInCommon) {
     c.observed_px = project(kCamera, c.P_previous_m) + 0.1 * synthetic::gaussian3(random);
     points.push_back(c);
   }
-  RobustGaussNewton gn{GaussNewtonConfig{}};
-  gn.prepare(kCamera, points, Eigen::Isometry3d::Identity());
-  const GaussNewtonResult result = gn.refine(Eigen::Isometry3d::Identity(), 1.0);
-  Matrix6d covariance;
-  ASSERT_TRUE(gn.covariance(result, covariance));
-  EXPECT_FALSE(gn.common_error(result).has_value());
+  FoundMotion found(points);
+  EXPECT_FALSE(found.gn.common_error(found.result).has_value());
 }
 
 }  // namespace

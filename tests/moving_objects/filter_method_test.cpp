@@ -2,11 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <ostream>
-#include <set>
 
 #include "filter_fixture.hpp"
 
