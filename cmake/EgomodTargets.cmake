@@ -72,6 +72,9 @@ function(egomod_test)
   if(EGOMOD_SANITIZE)  # instrumented code runs up to twenty times slower
     math(EXPR arg_TIMEOUT "5 * ${arg_TIMEOUT}")
   endif()
+  if(EGOMOD_SANITIZE MATCHES "thread")
+    set(environment ENVIRONMENT "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/thread_sanitizer.supp")
+  endif()
   gtest_discover_tests(${arg_NAME} DISCOVERY_MODE PRE_TEST
-    PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS "${arg_LABELS}")
+    PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS "${arg_LABELS}" ${environment})
 endfunction()
