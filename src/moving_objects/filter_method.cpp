@@ -108,6 +108,10 @@ void FilterMethod::filter(const TrackSet& tracks, const Egomotion& motion) {
     }
     PointSample point = sample(at);
     point.track = i;
+    if (point.moves) {
+      const auto& c = tracks.tracks[i].current.covariance_px2;
+      point.weak_axis = weak_axis(c[0], c[1], c[3]);
+    }
     if (point.velocity_mps.allFinite() && std::isfinite(point.chi2)) points_.push_back(point);
   }
   noise_.learn(standing_chi2_);

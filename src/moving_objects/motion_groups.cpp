@@ -31,6 +31,7 @@ constexpr double kHullSigmas = 2.0;
 constexpr float kLeastAspect = 0.4F;
 constexpr double kLineWidthShare = 0.15;  // of its length
 constexpr double kAlongLine = 0.95;       // cosine
+constexpr double kSlippingShare = 0.75;   // of the points
 
 Eigen::Matrix3d spread() { return kVelocitySpread_m2ps2 * Eigen::Matrix3d::Identity(); }
 
@@ -129,6 +130,17 @@ LineMotion line_motion(const StereoCamera& camera, std::span<const PointSample> 
   return {.along_line =
               std::abs(axes.eigenvectors().col(1).dot(flow_pxps)) > kAlongLine * flow_pxps.norm(),
           .along_sight = std::abs(sum_mps.z()) > sum_mps.head<2>().norm()};
+}
+
+bool slips_along_texture(const StereoCamera& camera, std::span<const PointSample> points,
+                         Members members) {
+  const auto slipping = std::count_if(members.begin(), members.end(), [&](auto i) {
+    const PointSample& point = points[i];
+    const Eigen::Vector2d flow_pxps =
+        (project_jacobian(camera, point.position_m) * point.velocity_mps).template head<2>();
+    return std::abs(flow_pxps.dot(point.weak_axis)) > kAlongLine * flow_pxps.norm();
+  });
+  return static_cast<double>(slipping) > kSlippingShare * static_cast<double>(members.size());
 }
 
 double purity_of(std::span<const PointSample> points, Members members) {
@@ -335,6 +347,7 @@ void MotionGroups::add(const StereoCamera& camera, std::span<const PointSample> 
   for (const auto i : kept) group.evidence += points[i].evidence;
   group.evidence /= 1.0 + rho * (static_cast<double>(kept.size()) - 1.0);
   group.purity = purity_of(points, kept);
+  group.slips = slips_along_texture(camera, points, kept);
   group.echoes = echoes_surroundings(group, points, rig_velocity_mps);
   group.with_rig = moves_with_rig(group.velocity_mps, rig_velocity_mps);
   groups_.push_back(group);

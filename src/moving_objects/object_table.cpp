@@ -254,7 +254,7 @@ void ObjectTable::associate(const StereoCamera& camera, std::span<const PointSam
     if (group.slides || group.velocity_mps.norm() < gates_.min_speed_mps) continue;
     const Members members = finder.members(group);
     Tracked* tracked = by_tracks(points, members);
-    if (group.echoes && !carries_on(points, members, tracked)) continue;
+    if ((group.echoes || group.slips) && !carries_on(points, members, tracked)) continue;
     if (tracked == nullptr) tracked = by_place(group);
     if (tracked == nullptr) tracked = create(points, group, finder);
     if (tracked == nullptr) continue;

@@ -23,6 +23,8 @@ inline constexpr std::size_t kReservedNoiseBins = 32;
 struct PointSample {
   std::size_t track = 0;  // index into TrackSet::tracks
   Eigen::Vector2d pixel_px = Eigen::Vector2d::Zero();
+  // Along which the image tells least of where it is; zero where no direction is much worse.
+  Eigen::Vector2d weak_axis = Eigen::Vector2d::Zero();
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d position_covariance_m2 = Eigen::Matrix3d::Zero();
   Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();  // relative to the static world
@@ -35,6 +37,9 @@ struct PointSample {
   bool moves = false;
   bool stands = false;  // neither of them: no opinion
 };
+
+// The axis of largest error of a left position, (uu, uv, vv), if it is clearly larger than across.
+[[nodiscard]] Eigen::Vector2d weak_axis(double uu_px2, double uv_px2, double vv_px2);
 
 // Finite, positive disparity, nearer than `max_depth_m`, usable covariance.
 [[nodiscard]] bool is_usable(const StereoCamera& camera, const StereoObservation& observation,

@@ -2,6 +2,7 @@
 // Which tracks make an object, and which make none.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -95,6 +96,38 @@ TEST_F(Filter, BorderThatOnlyChangesItsDepthIsNoObject) {
 }
 
 // Few points of one velocity on the trunk; legs swing to and fro, once in 1.2 s.
+// Lines that lie across the image tell little of where along them a point is.
+class FilterOnGrain : public Filter {
+ protected:
+  FilterOnGrain() {
+    world.rig_velocity_mps = {0.2, 0.0, 0.1};
+    world.add_background(300);
+  }
+  int moving_after(int pairs) {
+    int most = 0;
+    for (int pair = 0; pair < pairs; ++pair) {
+      TrackSet tracks = world.tracks(pair);
+      for (Track& track : tracks.tracks) {
+        if (!world.points[track.id - 1].velocity_mps.isZero())
+          track.current.covariance_px2[0] *= 4.0F;
+      }
+      detector.detect(tracks, world.motion(tracks, pair), objects);
+      most = std::max(most, moving());
+    }
+    return most;
+  }
+};
+
+TEST_F(FilterOnGrain, WhatSlipsAlongItIsNoObject) {
+  world.add_box(30, {0.0, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.5, 0.0, 0.0});
+  EXPECT_EQ(moving_after(30), 0);
+}
+
+TEST_F(FilterOnGrain, WhatMovesAcrossItIsAnObject) {
+  world.add_box(30, {0.0, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.3, 0.3, 0.0});
+  EXPECT_EQ(moving_after(30), 1);
+}
+
 TEST_F(Filter, WalkerIsOneObject) {
   rest_rig();
   world.add_background(300);
