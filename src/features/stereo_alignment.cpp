@@ -19,6 +19,8 @@ constexpr std::uint32_t kYoungAge = 3;
 constexpr std::uint32_t kPairsToCheck = 8;
 constexpr std::size_t kMaxScouts = 200;  // that tell how the rig turned during a skew
 constexpr float kMaxSurprise_px = 0.6F;
+constexpr float kBorder_px = 12.0F;
+constexpr float kSameDisparity_px = 3.0F;
 constexpr float kMaxNccLoss = 0.05F;
 // Noise of the disparity at infinity may feign a depth below this.
 constexpr float kMinDisparity_px = 0.3F;
@@ -91,6 +93,13 @@ bool unsuspicious(const FollowedPoint& point, const StereoMeasurement& found) {
   return point.age >= kYoungAge && point.previous_stereo.valid &&
          std::abs(found.disparity_px - point.expected_disparity_px) < kMaxSurprise_px &&
          found.ncc > point.previous_stereo.ncc - kMaxNccLoss;
+}
+
+// What has left the right image, or is about to, is nowhere else in it. `point` holds its last
+// disparity, moved on.
+bool is_look_alike(const FollowedPoint& point, const StereoMeasurement& found) {
+  return right_of(point.left, point.stereo).u_px < kBorder_px &&
+         std::abs(found.disparity_px - point.stereo.disparity_px) > kSameDisparity_px;
 }
 
 bool trustworthy(const StereoImages& previous, const StereoImages& current,
@@ -283,7 +292,7 @@ void StereoAlignment::search_lost(const StereoImages& previous, const StereoImag
     FollowedPoint candidate = point;
     candidate.stereo = found;
     const StereoMeasurement settled = settle_by_neighbours(current, skew, surroundings_, candidate);
-    if (settled.valid) adopt(settled, point);
+    if (settled.valid && !is_look_alike(point, settled)) adopt(settled, point);
   }
 }
 

@@ -13,6 +13,8 @@ namespace {
 
 constexpr std::size_t kNearest = 6;  // are tried
 constexpr std::size_t kEnough = 3;  // around a point that none of them has a surface in common with
+constexpr std::uint32_t kProvenAge = 5;
+constexpr float kStill_px = 0.5F;
 constexpr int kBackSteps = 5;
 constexpr float kSupport_px = 2.0F;
 constexpr float kSlopeError = 0.05F;
@@ -60,10 +62,15 @@ class Neighbours {
   std::size_t count_ = 0;
 };
 
+// Look-alikes would bear each other out; a wrong depth shows as motion before long.
+bool is_proven(const FollowedPoint& point) {
+  return point.age >= kProvenAge && length(point.own_motion) < kStill_px;
+}
+
 bool has_surface_in_common(const PlaceGrid& left, const FollowedPoint& point) {
   bool has = false;
   left.each_around(point.left, [&](const FollowedPoint& other, ImagePoint off) {
-    if (!other.stereo.valid || other.id == point.id) return;
+    if (!other.stereo.valid || other.id == point.id || !is_proven(other)) return;
     const float error_px = kSupport_px + kSlopeError * std::hypot(off.u_px, off.v_px);
     has = has || std::abs(carried_on(other, point.left).disparity_px - point.stereo.disparity_px) <
                      error_px;

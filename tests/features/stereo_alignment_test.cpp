@@ -109,5 +109,26 @@ TEST_F(StereoAlignmentTest, ALeftPointThatSlidDoesNotCloseTheCircle) {
   EXPECT_FALSE(closes_circle(previous_, current_, slid));
 }
 
+// What is a wall at 12 px looks like a nearer point at 40 px, which is lost and sought again.
+TEST_F(StereoAlignmentTest, WhatHasLeftTheRightImageIsNowhereElse) {
+  constexpr float kLookAlike_px = 12.0F, kOwn_px = 40.0F;
+  take(current_, shifted(texture_, 0.0, 0.0),
+       shifted(texture_, static_cast<double>(kLookAlike_px), 0.0));
+  const auto finds = [&](float u_px) {
+    TrackStore store(4);
+    FollowedPoint& point = store.add(current_.left.level(0), {static_cast<int>(u_px), 50}, {});
+    point.left = {u_px, 50.0F};
+    point.followed = true;
+    point.expected_disparity_px = kOwn_px;
+    point.previous_stereo.disparity_px = kOwn_px;
+    Skew skew;
+    StereoAlignment alignment(4, {.max_disparity_px = 60});
+    alignment.measure(previous_, current_, skew, store);
+    return store.points().front().stereo.valid;
+  };
+  EXPECT_TRUE(finds(90.0F));
+  EXPECT_FALSE(finds(45.0F));
+}
+
 }  // namespace
 }  // namespace egomod

@@ -118,11 +118,17 @@ TEST(SurfaceCheckTest, WhatLiesOutsideOfTheRightImageHasNoMatch) {
   };
   add(0, kFar);
   for (const int off_px : {10, 20, 30}) add(off_px, {.disparity_px = 70.0F, .ncc = 0.95F});
-  EXPECT_FALSE(
-      settle_by_neighbours(images, Skew(), surroundings_of(store), store.points().front()).valid);
-  add(-15, kFar);  // so there is something far
-  EXPECT_TRUE(
-      settle_by_neighbours(images, Skew(), surroundings_of(store), store.points().front()).valid);
+  const auto settles = [&] {
+    return settle_by_neighbours(images, Skew(), surroundings_of(store), store.points().front())
+        .valid;
+  };
+  EXPECT_FALSE(settles());
+  FollowedPoint& far = add(-15, kFar);  // a new one may be as wrong
+  EXPECT_FALSE(settles());
+  far.age = 10;  // so there is something far
+  EXPECT_TRUE(settles());
+  far.own_motion = {0.0F, 1.0F};
+  EXPECT_FALSE(settles());
 }
 
 TEST(SurfaceCheckTest, WhatFitsBothPlacesAlikeIsNoMatch) {
