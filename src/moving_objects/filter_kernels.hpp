@@ -10,6 +10,9 @@ inline constexpr std::size_t kFilterLanes = 4;
 
 inline constexpr double kLeastEvidence = -6.0;
 inline constexpr double kMostEvidence = 25.0;
+inline constexpr double kMostPerPair = 6.0;  // evidence: no single measurement convinces
+// From here on a displacement between two pairs shows motion by itself.
+inline constexpr double kLongInterval_s = 0.4;
 
 // Symmetric 3x3 matrices are their lower triangle, row by row.
 using Lanes = double[kFilterLanes];

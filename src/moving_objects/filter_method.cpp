@@ -13,6 +13,8 @@ constexpr double kMovingEvidence = 2.0;
 constexpr double kMovingChi2 = 11.34;  // 99 %, 3 dof: its velocity against rest
 constexpr double kMostMisfit = 8.0;    // of a point that may speak for motion
 constexpr double kLeastUpdates = 3;    // the first two of them fix position and velocity
+constexpr double kOneInterval = 2;     // updates
+constexpr double kLeapChi2 = 16.27;    // 99.9 %, 3 dof: a single displacement against rest
 constexpr int kConfirmPairs = 2;
 constexpr double kRigMemory_s = 0.15;  // one pair at a high rate tells little about the speed
 constexpr double kReanchor_px = 0.2;   // a renewed template may step
@@ -55,7 +57,8 @@ FilterMethod::FilterMethod(const MovingObjectsConfig& config)
       groups_(config),
       objects_(config, {.min_evidence = config.min_evidence,
                         .confirm_evidence = config.confirm_evidence,
-                        .confirm_pairs = kConfirmPairs}) {
+                        .confirm_pairs = kConfirmPairs,
+                        .long_interval_s = kLongInterval_s}) {
   points_.reserve(kReservedTracks);
   standing_chi2_.reserve(kReservedTracks);
 }
@@ -88,6 +91,7 @@ void FilterMethod::filter(const TrackSet& tracks, const Egomotion& motion) {
   }
   reset_count_ = motion.reset_count;
   follow_rig(motion);
+  is_slow_ = to_seconds(motion.exposure - now_) > kLongInterval_s;
   now_ = motion.exposure;
   rig_ = RigPose(motion);
   filters_.align(tracks.tracks);
@@ -184,6 +188,8 @@ PointSample FilterMethod::sample(FilterSlot at) const {
   const PointBlock& points = filters_.points(at);
   const double updates = filters.updates[lane];
   const double evidence = filters.evidence[lane];
+  const bool begins = updates >= kOneInterval && filters.fresh_ns[lane] == filters.seen_ns[lane];
+  const bool in_one_interval = is_slow_ && (updates == kOneInterval || begins);
   PointSample point;
   point.position_m = vector_of(points.position_m, lane);
   point.position_covariance_m2 = matrix_of(points.position_covariance_m2, lane);
@@ -197,7 +203,12 @@ PointSample FilterMethod::sample(FilterSlot at) const {
   point.motion_probability = logistic(evidence);
   point.moves = updates >= kLeastUpdates && evidence > kMovingEvidence &&
                 point.chi2 > kMovingChi2 && filters.misfit[lane] < kMostMisfit;
-  point.stands = updates >= kLeastUpdates && evidence < 0.0;
+  point.leaps = in_one_interval && evidence >= 0.0 && point.chi2 > kMovingChi2 &&
+                filters.standing_chi2[lane] > kLeapChi2;
+  // Alone it may as well be mismatched; that its neighbours agree tells.
+  if (point.leaps) point.evidence = std::max(evidence, kMostPerPair);
+  point.moves = point.moves || point.leaps;
+  point.stands = (updates >= kLeastUpdates || in_one_interval) && evidence < 0.0;
   point.pixel_px = {filters.uvd_px[0][lane], filters.uvd_px[1][lane]};
   return point;
 }

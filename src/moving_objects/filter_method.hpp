@@ -41,6 +41,7 @@ class FilterMethod {
   FilterBank filters_;
   std::uint32_t reset_count_ = 0;
   Nanoseconds now_{0};
+  bool is_slow_ = false;  // a long interval since the pair before
   RigPose rig_;
   Eigen::Vector3d rig_velocity_mps_ = Eigen::Vector3d::Zero();  // smoothed, current camera axes
   int rig_pairs_ = 0;                                           // in it

@@ -346,6 +346,7 @@ void MotionGroups::add(const StereoCamera& camera, std::span<const PointSample> 
   group.recedes = line.along_sight;
   for (const auto i : kept) group.evidence += points[i].evidence;
   group.evidence /= 1.0 + rho * (static_cast<double>(kept.size()) - 1.0);
+  group.leaps = std::any_of(kept.begin(), kept.end(), [&](auto i) { return points[i].leaps; });
   group.purity = purity_of(points, kept);
   group.slips = slips_along_texture(camera, points, kept);
   group.echoes = echoes_surroundings(group, points, rig_velocity_mps);

@@ -42,6 +42,7 @@ struct MotionGroup {
   double purity = 0.0;    // share of the tracks in its rectangle and depth that move
   std::size_t body = 0;   // the one that it is part of
   bool leads = false;     // it is the largest group of its body
+  bool leaps = false;     // some of its points move by one long interval only
 
   // Chi-square of the velocity against rest.
   [[nodiscard]] double chi2() const;

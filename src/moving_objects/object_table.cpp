@@ -17,6 +17,8 @@ constexpr double kReclaimDrift_mps = 0.3;   // growing with the time that it was
 constexpr double kReclaimSpeed_mps = 0.3;   // at a velocity this similar
 constexpr double kReclaimSpeedShare = 0.1;
 constexpr double kKnown_s = 1.0;  // an object this old is surely none that repeated texture feigns
+constexpr std::size_t kClearPoints = 8;   // that agree over one long interval
+constexpr double kLeapPurity = 0.8;       // of what opens an object then
 constexpr double kTentative_s = 0.3;      // a tentative object without evidence ends
 constexpr double kLeaveChi2 = 25.0;       // a member this far off leaves
 constexpr double kKeepPurityShare = 0.5;  // of the purity that opens an object
@@ -121,6 +123,7 @@ void ObjectTable::move_on(const StereoCamera& camera, Nanoseconds exposure,
                           const Eigen::Isometry3d& T_current_previous) {
   const double elapsed_s = to_seconds(exposure - now_);
   now_ = exposure;
+  interval_s_ = elapsed_s;
   const Eigen::Matrix3d R = T_current_previous.linear();
   for (Tracked& tracked : objects_) {
     MovingObject& object = tracked.object;
@@ -223,16 +226,22 @@ bool ObjectTable::is_limb(const MotionGroup& group) const {
   });
 }
 
+// Over a long interval repeated texture is mismatched in shoals, among points that rest.
+double ObjectTable::least_purity() const {
+  return interval_s_ > gates_.long_interval_s ? std::max(kLeapPurity, config_.min_purity)
+                                              : config_.min_purity;
+}
+
 // Only a group that passes every gate opens an object; later a smaller one keeps it. What swings
 // its limbs may show few points of one velocity: then all that move there count.
 ObjectTable::Tracked* ObjectTable::create(std::span<const PointSample> points,
                                           const MotionGroup& group, const MotionGroups& finder) {
   const auto least = static_cast<std::size_t>(config_.min_points);
   const MotionBody& body = finder.bodies()[group.body];
-  const bool swings = group.count < least && group.leads && !group.with_rig &&
+  const bool swings = group.count < least && !group.leaps && group.leads && !group.with_rig &&
                       body.count >= least &&
                       purity_of(points, finder.members(body)) >= config_.min_purity;
-  if ((group.count < least && !swings) || is_limb(group) || group.purity < config_.min_purity ||
+  if ((group.count < least && !swings) || is_limb(group) || group.purity < least_purity() ||
       group.recedes || group.chi2() < config_.object_chi2 || group.evidence < gates_.min_evidence ||
       objects_.size() == kMostObjects) {
     return nullptr;
@@ -317,14 +326,23 @@ void ObjectTable::update(const StereoCamera& camera, std::span<const PointSample
     ++tracked.pairs;
     tracked.last_evidence = now_;
     measure(camera, points, tracked);
-    const bool proven = tracked.pairs >= gates_.confirm_pairs &&
-                        to_seconds(now_ - tracked.first) >= gates_.confirm_s &&
-                        tracked.evidence >= gates_.confirm_evidence;
+    const bool proven = is_proven(tracked);
     tracked.confirmed = tracked.confirmed || (proven && motion_is_valid);
     tracked.object.state = tracked.confirmed ? ObjectState::kMoving : ObjectState::kTentative;
   }
   absorb_parts(camera, points);
   std::erase_if(objects_, [this](const Tracked& tracked) { return is_lost(tracked); });
+}
+
+// A pair after a long interval tells as much as many that follow each other quickly.
+bool ObjectTable::is_proven(const Tracked& tracked) const {
+  if (interval_s_ > gates_.long_interval_s &&
+      (tracked.pairs >= gates_.confirm_pairs || members_.size() >= kClearPoints)) {
+    return true;
+  }
+  return tracked.pairs >= gates_.confirm_pairs &&
+         to_seconds(now_ - tracked.first) >= gates_.confirm_s &&
+         tracked.evidence >= gates_.confirm_evidence;
 }
 
 bool ObjectTable::is_proper(std::span<const PointSample> points, const Tracked& tracked) const {

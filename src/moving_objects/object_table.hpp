@@ -23,6 +23,8 @@ struct ObjectGates {
   double confirm_evidence = 0.0;  // to become MOVING, in a leaky sum over pairs
   int confirm_pairs = 1;
   double confirm_s = 0.0;
+  // Pairs at least this far apart prove it by their number, or by many points that agree.
+  double long_interval_s = std::numeric_limits<double>::infinity();
 };
 
 // Objects over time: names that stick to their tracks, evidence before MOVING, coasting and end.
@@ -80,6 +82,7 @@ class ObjectTable {
   [[nodiscard]] Tracked* by_place(const MotionGroup& group);
   [[nodiscard]] bool carries_on(std::span<const PointSample> points, Members members,
                                 const Tracked* tracked) const;
+  [[nodiscard]] double least_purity() const;
   [[nodiscard]] Tracked* create(std::span<const PointSample> points, const MotionGroup& group,
                                 const MotionGroups& finder);
   [[nodiscard]] static Box joined(const Box& a, const Box& b);
@@ -94,6 +97,7 @@ class ObjectTable {
   [[nodiscard]] Members trunk_of(std::span<const PointSample> points, const Tracked& tracked);
   void measure_motion(std::span<const PointSample> points, Tracked& tracked);
   void absorb_parts(const StereoCamera& camera, std::span<const PointSample> points);
+  [[nodiscard]] bool is_proven(const Tracked& tracked) const;
   [[nodiscard]] bool is_proper(std::span<const PointSample> points, const Tracked& tracked) const;
   void coast(std::span<const PointSample> points, Tracked& tracked);
   [[nodiscard]] bool is_lost(const Tracked& tracked) const;
@@ -101,6 +105,7 @@ class ObjectTable {
   const MovingObjectsConfig config_;
   const ObjectGates gates_;
   Nanoseconds now_{0};
+  double interval_s_ = 0.0;  // since the pair before
   std::vector<Tracked> objects_;
   std::vector<std::int64_t> owners_;  // parallel to TrackSet::tracks
   std::vector<std::uint64_t> track_ids_;

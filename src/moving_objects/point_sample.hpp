@@ -35,6 +35,7 @@ struct PointSample {
   double motion_probability = 0.0;
   double evidence = 0.0;  // log likelihood ratio, moving over static
   bool moves = false;
+  bool leaps = false;   // by one long interval only
   bool stands = false;  // neither of them: no opinion
 };
 

@@ -18,7 +18,7 @@ constexpr int kFilterPairs = 200;
 constexpr double kRounding = 1e-7;  // relative: errors of the covariances' differences add up
 
 // Four points, one of each kind: it stands; it moves, stops and moves; it is often unseen; it is
-// another point from time to time.
+// another point from time to time, after a long interval.
 class FilterTwins {
  public:
   explicit FilterTwins(FilterKernels kernels) : kernels_(kernels) { block_.updates[3] = 0.0; }
@@ -42,7 +42,7 @@ class FilterTwins {
   [[nodiscard]] bool jumps(std::size_t lane) const { return lane == 3 && pair_ % 50 == 49; }
 
   void begin_pair() {
-    now_ = (pair_ + 1) * kFilterInterval;
+    now_ += pair_ % 50 == 49 ? 20 * kFilterInterval : kFilterInterval;
     const double t_s = to_seconds(now_);
     Egomotion motion;
     motion.T_first_current.linear() = so3_exp({0.01, 0.2 * std::sin(t_s), 0.02 * t_s});

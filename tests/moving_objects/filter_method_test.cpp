@@ -77,6 +77,49 @@ TEST_F(Filter, WorksAtOneHertz) {
   EXPECT_EQ(moving(), 1);
 }
 
+TEST_F(Filter, OneLongIntervalTellsWhatMoves) {
+  world.rate_hz = 1.0;
+  world.add_background(300);
+  world.add_box(30, {-0.8, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.3, 0.0, 0.0});
+  for (int pair = 0; pair < 2; ++pair) run(pair);
+  EXPECT_EQ(moving(), 1);
+}
+
+TEST_F(Filter, OneLongIntervalTellsWhatStarts) {
+  rest_rig();
+  world.rate_hz = 1.0;
+  world.add_background(300);
+  world.add_box(30, {-0.8, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.0, 0.0, 0.0});
+  int pair = 0;
+  for (; pair < 4; ++pair) run(pair);
+  ASSERT_EQ(moving(), 0);
+  turn(pair - 1, 300, {0.3, 0.0, 0.0});
+  run(pair);
+  ASSERT_EQ(moving(), 1);
+  EXPECT_NEAR(objects.objects.front().velocity_mps.x(), 0.3, 0.02);
+}
+
+TEST_F(Filter, FewThatAgreeAmongManyThatRestAreNoObjectAtOneHertz) {
+  rest_rig();
+  world.rate_hz = 1.0;
+  world.add_background(300);
+  world.add_box(12, {0.0, 0.1, 5.0}, {0.6, 0.6, 0.2}, {0.0, 0.0, 0.0});
+  world.add_box(15, {0.0, 0.1, 5.0}, {0.6, 0.6, 0.2}, {0.3, 0.0, 0.0});
+  for (int pair = 0; pair < 2; ++pair) run(pair);
+  EXPECT_TRUE(objects.objects.empty());
+}
+
+TEST_F(Filter, NoiseIsNoObjectAtOneHertz) {
+  world.rate_hz = 1.0;
+  world.rig_velocity_mps = {0.0, 0.0, 0.1};
+  world.rig_yaw_rate_radps = 0.005;
+  world.add_background(500, 6.0, 15.0);
+  for (int pair = 0; pair < 60; ++pair) {
+    run(pair);
+    ASSERT_EQ(moving(), 0) << "pair " << pair;
+  }
+}
+
 TEST_F(Filter, SpeedOfACarNeedsNoOtherParameters) {
   world.rate_hz = 10.0;
   world.rig_velocity_mps = {0.0, 0.0, 11.0};

@@ -32,6 +32,11 @@ struct PointModel {
   Eigen::Matrix<double, N, 1> bias_covariance = Eigen::Matrix<double, N, 1>::Zero();
 };
 
+struct Fit {
+  double chi2 = 0.0;
+  double log_likelihood = 0.0;
+};
+
 struct TrackFilter {
   PointModel<3> standing;
   PointModel<6> moving;
@@ -40,6 +45,7 @@ struct TrackFilter {
   int updates = 0;
   double standing_chi2 = 0.0;
   Nanoseconds seen{0};
+  double interval_s = 0.0;  // before that
   Nanoseconds fresh{0};
   bool stood = false;
   Eigen::Vector3d uvd_px = Eigen::Vector3d::Zero();
@@ -47,6 +53,8 @@ struct TrackFilter {
   void start(const PointMeasurement& measurement, const MotionPrior& prior, Nanoseconds now);
   void predict(const MotionPrior& prior, Nanoseconds now);
   void update(const PointMeasurement& measurement, const MotionPrior& prior);
+  void start_in_between(const PointMeasurement& measurement, const MotionPrior& prior,
+                        const PointModel<3>& rested, const Fit& stands);
 
   [[nodiscard]] Eigen::Vector3d position_m() const { return moving.state.head<3>(); }
   [[nodiscard]] Eigen::Vector3d velocity_mps() const { return moving.state.tail<3>(); }
@@ -68,11 +76,6 @@ inline constexpr double kFresh_s = 2.0;
 inline constexpr double kNearBound = 0.5;
 inline constexpr double kStoodEvidence = 0.5 * kLeastEvidence;
 inline constexpr double kSurpriseChi2 = 16.27;
-
-struct Fit {
-  double chi2 = 0.0;
-  double log_likelihood = 0.0;
-};
 
 // Log of the sum of two densities, of which the second is the outliers'.
 inline double with_outliers(double log_inlier) {
@@ -163,18 +166,12 @@ inline void TrackFilter::start(const PointMeasurement& measurement, const Motion
   seen = now;
 }
 
-inline void TrackFilter::predict(const MotionPrior& prior, Nanoseconds now) {
-  const double dt = to_seconds(now - seen);
-  seen = now;
-  if (updates == 1) {  // the rig's own speed, and with it the prior, may not have been known then
-    moving.covariance.diagonal().tail<3>().setConstant(prior.velocity_mps * prior.velocity_mps);
-  }
-  standing.covariance *= 1.0 + (kFadePerS - 1.0) * dt;
-  // A manoeuvre shows as misfit before it shows in the velocity.
-  const double agility = std::clamp(misfit / kFittingChi2, 1.0, kMostAgility);
-  const double a = agility * (prior.acceleration_mps2 + prior.manoeuvre_hz * velocity_mps().norm());
+inline void predict_moving(const MotionPrior& prior, double agility, double dt,
+                           PointModel<6>& moving) {
+  const Eigen::Vector3d velocity_mps = moving.state.tail<3>();
+  const double a = agility * (prior.acceleration_mps2 + prior.manoeuvre_hz * velocity_mps.norm());
   const double q = a * a * kAccelerationTime_s * dt;
-  moving.state.head<3>() += dt * velocity_mps();
+  moving.state.head<3>() += dt * velocity_mps;
   Eigen::Matrix<double, 6, 6>& C = moving.covariance;
   const Eigen::Matrix3d moved = dt * C.bottomRightCorner<3, 3>();
   const Eigen::Matrix3d cross = dt * C.topRightCorner<3, 3>();
@@ -186,6 +183,17 @@ inline void TrackFilter::predict(const MotionPrior& prior, Nanoseconds now) {
   C.diagonal().tail<3>().array() += q;
   C.topRightCorner<3, 3>().diagonal().array() += 0.5 * q * dt;
   C.bottomLeftCorner<3, 3>().diagonal().array() += 0.5 * q * dt;
+}
+
+inline void TrackFilter::predict(const MotionPrior& prior, Nanoseconds now) {
+  interval_s = to_seconds(now - seen);
+  seen = now;
+  if (updates == 1) {  // the rig's own speed, and with it the prior, may not have been known then
+    moving.covariance.diagonal().tail<3>().setConstant(prior.velocity_mps * prior.velocity_mps);
+  }
+  standing.covariance *= 1.0 + (kFadePerS - 1.0) * interval_s;
+  // A manoeuvre shows as misfit before it shows in the velocity.
+  predict_moving(prior, std::clamp(misfit / kFittingChi2, 1.0, kMostAgility), interval_s, moving);
 
   // A start and a stop are seen against a fresh opponent only: a velocity learnt at rest resists
   // the one, a place left long ago the other.
@@ -194,9 +202,27 @@ inline void TrackFilter::predict(const MotionPrior& prior, Nanoseconds now) {
   }
 }
 
+// A long interval shows by itself what left its place in it.
+inline void TrackFilter::start_in_between(const PointMeasurement& measurement,
+                                          const MotionPrior& prior, const PointModel<3>& rested,
+                                          const Fit& stands) {
+  TrackFilter left;
+  left.standing = rested;
+  learn_velocity_anew(left, prior, seen);
+  predict_moving(prior, 1.0, interval_s, left.moving);
+  const Fit leaves = fuse(measurement, left.moving);
+  if (leaves.chi2 >= kSurpriseChi2) return;
+  moving = left.moving;
+  misfit = kFittingChi2;
+  fresh = seen;
+  stood = false;
+  evidence = std::clamp(leaves.log_likelihood - stands.log_likelihood, 0.0, kMostPerPair);
+}
+
 inline void TrackFilter::update(const PointMeasurement& measurement, const MotionPrior& prior) {
   standing.covariance += measurement.walk_m2;
   moving.covariance.topLeftCorner<3, 3>() += measurement.walk_m2;
+  const PointModel<3> rested = standing;
   const Fit moves = fuse(measurement, moving);
   const Fit stands = fuse(measurement, standing);
   const double gain = moves.log_likelihood - stands.log_likelihood;
@@ -206,8 +232,10 @@ inline void TrackFilter::update(const PointMeasurement& measurement, const Motio
   misfit += (1.0 - kMisfitMemory) * (std::min(moves.chi2, kMostMisfit) - misfit);
   ++updates;
   stood = stood || evidence < kStoodEvidence;
-  if (evidence < 0.0 && updates >= 3 && std::min(moves.chi2, stands.chi2) > kSurpriseChi2)
-    move_from_here(*this, measurement, prior);
+  if (evidence < 0.0 && updates >= 3 && stands.chi2 > kSurpriseChi2) {
+    if (moves.chi2 > kSurpriseChi2) move_from_here(*this, measurement, prior);
+    if (interval_s > kLongInterval_s) start_in_between(measurement, prior, rested, stands);
+  }
   if (evidence > kMostEvidence - kNearBound) stand_where_it_is(*this);
   if (misfit > 4.0 * kFittingChi2) {  // fits neither: a mismatch, or another surface
     evidence = std::min(evidence, 0.0);
