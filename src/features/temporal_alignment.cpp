@@ -31,7 +31,10 @@ constexpr std::uint32_t kYoungAge = 3;
 constexpr std::size_t kScouts = 150;
 constexpr float kTellingDisparity_px = 3.0F;  // smaller ones are too noisy to tell growth
 constexpr float kMaxGrowth = 1.3F;            // a pair
-constexpr float kOwnMotionMargin = 0.05F;     // by which NCC must be better than at rest
+// Seen elsewhere, a point's NCC must be that much better there than at rest; an old one, which has
+// rested so far, may be that much worse.
+constexpr float kYoungMargin = 0.05F;
+constexpr float kOldMargin = -0.02F;
 
 // Of the half-resolution search. Constant motion errs by a few pixels; a new point's may be new.
 constexpr int kSearchLevel = 1;
@@ -219,13 +222,13 @@ ImagePoint TemporalAlignment::neighbours_flow(const FollowedPoint& point) const 
 void TemporalAlignment::follow_rig(const RigMotion& motion, const StereoImages& current,
                                    TrackStore& store) {
   for (FollowedPoint& point : store.points()) {
-    if (point.followed && point.age > kYoungAge) continue;
+    if (point.followed && point.age > kYoungAge && !point.rests) continue;
     const auto expected = motion.predict(point);
     if (!expected || (point.followed && distance(expected->left, point.left) < kResting_px))
       continue;
     const Attempt resting = align_from(current, store, point, {expected->left});
-    const float rival =
-        point.followed ? point.ncc - kOwnMotionMargin : point.usual_ncc - kSuspiciousNccDrop;
+    const float margin = point.age > kYoungAge ? kOldMargin : kYoungMargin;
+    const float rival = point.followed ? point.ncc - margin : point.usual_ncc - kSuspiciousNccDrop;
     if (resting.ncc > rival) accept(resting.warp, resting.ncc, point);
   }
 }

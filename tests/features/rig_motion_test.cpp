@@ -7,6 +7,8 @@
 #include <random>
 
 #include "egomod/core/geometry.hpp"
+#include "synthetic_texture.hpp"
+#include "temporal_alignment.hpp"
 #include "test_camera.hpp"
 #include "test_images.hpp"
 
@@ -113,6 +115,45 @@ TEST(RigMotionTest, PredictsNothingWithoutADisparity) {
   ASSERT_TRUE(motion.guess(store));
   store.points().front().previous_stereo.disparity_px = 0.0F;
   EXPECT_FALSE(motion.predict(store.points().front()).has_value());
+}
+
+// Bars that repeat, each a little different: a period off, a point fits less well than at rest.
+TEST(RigMotionTest, WhatRestedSoFarGoesBackFromALookAlike) {
+  constexpr float kPeriod_px = 12.0F;
+  constexpr ImagePoint kRest{100.0F, 50.0F};
+  const testing::WaveTexture own(4);
+  StereoPair pair;
+  pair.left = testing::painted(200, 100, [&](int u, int v) {
+    const double bars = std::sin(2.0 * M_PI * u / static_cast<double>(kPeriod_px)) *
+                        std::sin(2.0 * M_PI * v / static_cast<double>(kPeriod_px));
+    return 0.7 * (120.0 + 60.0 * bars) + 0.3 * own(u, v);
+  });
+  copy_image(pair.left.view(), pair.right);
+  StereoImages images;
+  images.take(pair);
+  TemporalAlignment alignment(kPoints + 1);
+  for (const float elsewhere_ncc : {0.9F, 0.99F}) {
+    TrackStore store(kPoints + 1);
+    for (int i = 0; i < kPoints; ++i) {
+      FollowedPoint& point = store.add(images.left.level(0), {20 + i % 150, 50}, {});
+      point.left = point.previous_left = {20.0F + static_cast<float>(i % 150), 50.0F};
+      point.previous_stereo.disparity_px = 20.0F;
+      point.followed = true;
+    }
+    RigMotion motion;
+    motion.begin_pair(kCamera, true, 1.0F);
+    ASSERT_TRUE(motion.guess(store));
+    FollowedPoint& point = store.add(images.left.level(0), nearest_pixel(kRest), {});
+    point.age = 20;
+    point.previous_warp = point.warp;
+    point.previous_left = kRest;
+    point.previous_stereo.disparity_px = 20.0F;
+    point.left = kRest + ImagePoint{kPeriod_px, 0.0F};
+    point.followed = true;
+    point.ncc = elsewhere_ncc;
+    alignment.follow_rig(motion, images, store);
+    EXPECT_NEAR(point.left.u_px, kRest.u_px + (elsewhere_ncc > 0.98F ? kPeriod_px : 0.0F), 0.1F);
+  }
 }
 
 }  // namespace
