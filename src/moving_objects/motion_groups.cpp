@@ -32,6 +32,7 @@ constexpr float kLeastAspect = 0.4F;
 constexpr double kLineWidthShare = 0.15;  // of its length
 constexpr double kAlongLine = 0.95;       // cosine
 constexpr double kSlippingShare = 0.75;   // of the points
+constexpr double kMostSlip_pxps = 60.0;   // a car's sill moves along itself faster
 
 Eigen::Matrix3d spread() { return kVelocitySpread_m2ps2 * Eigen::Matrix3d::Identity(); }
 
@@ -137,8 +138,10 @@ bool slips_along_texture(const StereoCamera& camera, std::span<const PointSample
   const auto slipping = std::count_if(members.begin(), members.end(), [&](auto i) {
     const PointSample& point = points[i];
     const Eigen::Vector2d flow_pxps =
-        (project_jacobian(camera, point.position_m) * point.velocity_mps).template head<2>();
-    return std::abs(flow_pxps.dot(point.weak_axis)) > kAlongLine * flow_pxps.norm();
+        (project_jacobian(camera, point.position_m) * point.velocity_mps).head<2>();
+    const double speed_pxps = flow_pxps.norm();
+    return speed_pxps < kMostSlip_pxps &&
+           std::abs(flow_pxps.dot(point.weak_axis)) > kAlongLine * speed_pxps;
   });
   return static_cast<double>(slipping) > kSlippingShare * static_cast<double>(members.size());
 }

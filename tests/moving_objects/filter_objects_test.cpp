@@ -119,8 +119,13 @@ class FilterOnGrain : public Filter {
 };
 
 TEST_F(FilterOnGrain, WhatSlipsAlongItIsNoObject) {
-  world.add_box(30, {0.0, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.5, 0.0, 0.0});
+  world.add_box(30, {0.0, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.3, 0.0, 0.0});
   EXPECT_EQ(moving_after(30), 0);
+}
+
+TEST_F(FilterOnGrain, WhatMovesAlongItFastIsAnObject) {
+  world.add_box(30, {0.0, 0.1, 5.0}, {0.5, 0.5, 0.4}, {1.0, 0.0, 0.0});
+  EXPECT_EQ(moving_after(15), 1);
 }
 
 TEST_F(FilterOnGrain, WhatMovesAcrossItIsAnObject) {
