@@ -31,8 +31,9 @@ constexpr double kHullSigmas = 2.0;
 constexpr float kLeastAspect = 0.4F;
 constexpr double kLineWidthShare = 0.15;  // of its length
 constexpr double kAlongLine = 0.95;       // cosine
-constexpr double kSlippingShare = 0.75;   // of the points
-constexpr double kMostSlip_pxps = 60.0;   // a car's sill moves along itself faster
+constexpr double kAcrossAtRandom = 0.5;   // of the flow's square, across any axis
+constexpr double kSlippingAcross = 0.2;
+constexpr double kMostSlip_pxps = 60.0;  // a car's sill moves along itself faster
 
 Eigen::Matrix3d spread() { return kVelocitySpread_m2ps2 * Eigen::Matrix3d::Identity(); }
 
@@ -135,15 +136,22 @@ LineMotion line_motion(const StereoCamera& camera, std::span<const PointSample> 
 
 bool slips_along_texture(const StereoCamera& camera, std::span<const PointSample> points,
                          Members members) {
-  const auto slipping = std::count_if(members.begin(), members.end(), [&](auto i) {
+  double across = 0.0;
+  for (const auto i : members) {
     const PointSample& point = points[i];
     const Eigen::Vector2d flow_pxps =
         (project_jacobian(camera, point.position_m) * point.velocity_mps).head<2>();
     const double speed_pxps = flow_pxps.norm();
-    return speed_pxps < kMostSlip_pxps &&
-           std::abs(flow_pxps.dot(point.weak_axis)) > kAlongLine * speed_pxps;
-  });
-  return static_cast<double>(slipping) > kSlippingShare * static_cast<double>(members.size());
+    if (speed_pxps > kMostSlip_pxps) {
+      across += 1.0;
+    } else if (point.weak_axis.isZero()) {
+      across += kAcrossAtRandom;
+    } else {
+      const double along = flow_pxps.dot(point.weak_axis) / speed_pxps;
+      across += 1.0 - along * along;
+    }
+  }
+  return across < kSlippingAcross * static_cast<double>(members.size());
 }
 
 double purity_of(std::span<const PointSample> points, Members members) {

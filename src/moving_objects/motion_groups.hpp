@@ -35,7 +35,7 @@ struct MotionGroup {
   bool slides =
       false;  // its points lie on a line and move along it: an edge seen through apertures
   bool recedes = false;   // on a line, and along the line of sight: a border of what rests
-  bool slips = false;     // each point moves along what its own texture tells least of
+  bool slips = false;     // its points move along what their own texture tells least of
   bool echoes = false;    // what repeated texture there would feign
   bool with_rig = false;  // along the rig's own motion, as all that is feigned
   double evidence = 0.0;  // log likelihood ratio of its points together, moving over static
@@ -67,7 +67,7 @@ struct LineMotion {
 [[nodiscard]] LineMotion line_motion(const StereoCamera& camera,
                                      std::span<const PointSample> points, Members members);
 // Points seen through lines of texture, as of wood or along an edge, slide along them: true when
-// most of them move along their own weak axes.
+// they move along their own weak axes on the whole.
 [[nodiscard]] bool slips_along_texture(const StereoCamera& camera,
                                        std::span<const PointSample> points, Members members);
 // Share of the opinionated points inside the members' rectangle and depth that move.
