@@ -78,17 +78,26 @@ bool has_surface_in_common(const PlaceGrid& left, const FollowedPoint& point) {
   return has;
 }
 
-// No neighbour has a surface in common with the point, and what is nearest lies outside of the
-// right image there: so does the point.
-bool lies_outside(const PlaceGrid& left, const Neighbours& neighbours, const FollowedPoint& point) {
+// What is nearest to the point lies outside of the right image there.
+bool lies_outside(const Neighbours& neighbours, const FollowedPoint& point) {
   const auto outside =
       std::count_if(neighbours.begin(), neighbours.end(), [&](const Neighbour& neighbour) {
         return carried_on(*neighbour.point, point.left).disparity_px >
                point.left.u_px - static_cast<float>(kPatchRadiusU_px);
       });
   return neighbours.count() >= kEnough &&
-         2 * static_cast<std::size_t>(outside) > neighbours.count() &&
-         !has_surface_in_common(left, point);
+         2 * static_cast<std::size_t>(outside) > neighbours.count();
+}
+
+// Left of something nearer in the left image and right of it in the right one: possible beside a
+// pole, but mostly a look-alike.
+bool is_seen_past(const Neighbours& neighbours, const FollowedPoint& point) {
+  const float right_px = right_of(point.left, point.stereo).u_px;
+  return std::any_of(neighbours.begin(), neighbours.end(), [&](const Neighbour& neighbour) {
+    const FollowedPoint& other = *neighbour.point;
+    return is_proven(other) && other.left.u_px > point.left.u_px &&
+           right_of(other.left, other.stereo).u_px < right_px - kSameDisparity_px;
+  });
 }
 
 bool same(const StereoMeasurement& a, const StereoMeasurement& b) {
@@ -160,8 +169,9 @@ StereoMeasurement settle_by_neighbours(const StereoImages& images, const Skew& s
       other = found;
   }
   if (other.valid && fits_clearly_better(other.ncc, own.ncc)) return other;
+  const bool must_be_borne_out = lies_outside(neighbours, point) || is_seen_past(neighbours, point);
   const bool stays = (!other.valid || fits_clearly_better(own.ncc, other.ncc)) &&
-                     !lies_outside(surroundings.left, neighbours, point) &&
+                     (!must_be_borne_out || has_surface_in_common(surroundings.left, point)) &&
                      !belongs_to_another(images, surroundings, point);
   return stays ? own : StereoMeasurement{};
 }

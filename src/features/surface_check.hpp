@@ -12,7 +12,7 @@ namespace egomod {
 // than the place itself. So the surfaces that the neighbours lie on are tried as well. Gives the
 // disparity that fits clearly better; not valid where two different ones fit alike, where what the
 // right image shows belongs to another point's surface, or where the neighbours' surfaces lie
-// outside of the right image and none bears the match out.
+// outside of the right image, or are seen past, and none bears the match out.
 [[nodiscard]] StereoMeasurement settle_by_neighbours(const StereoImages& images, const Skew& skew,
                                                      const Surroundings& surroundings,
                                                      const FollowedPoint& point);

@@ -131,6 +131,31 @@ TEST(SurfaceCheckTest, WhatLiesOutsideOfTheRightImageHasNoMatch) {
   EXPECT_FALSE(settles());
 }
 
+// Left of something nearer in the left image, right of it in the right one.
+TEST(SurfaceCheckTest, WhatIsSeenPastSomethingNearerMustBeBorneOut) {
+  constexpr StereoMeasurement kFar{.valid = true, .disparity_px = 20.0F, .ncc = 0.97F};
+  constexpr StereoMeasurement kNear{.valid = true, .disparity_px = 60.0F, .ncc = 0.97F};
+  const StereoImages images = view(testing::WaveTexture(4), [](float) { return 20.0F; });
+  TrackStore store(8);
+  const auto add = [&](int off_px, const StereoMeasurement& stereo, std::uint32_t age) {
+    FollowedPoint& point =
+        store.add(images.left.level(0), {kPlace.u_px + off_px, kPlace.v_px}, CornerKind::kDark);
+    point.stereo = stereo;
+    point.age = age;
+  };
+  const auto settles = [&] {
+    return settle_by_neighbours(images, Skew(), surroundings_of(store), store.points().front())
+        .valid;
+  };
+  add(0, kFar, 0);
+  add(10, kNear, 0);  // may be wrong itself
+  EXPECT_TRUE(settles());
+  add(15, kNear, 10);
+  EXPECT_FALSE(settles());
+  add(-15, kFar, 10);
+  EXPECT_TRUE(settles());
+}
+
 TEST(SurfaceCheckTest, WhatFitsBothPlacesAlikeIsNoMatch) {
   const auto bars = [](double u, double v) {
     return 120.0 + 40.0 * std::sin(2.0 * M_PI * u / 24.0) + 40.0 * std::sin(2.0 * M_PI * v / 19.0);
