@@ -2,6 +2,7 @@
 #include "moving_objects/body_motion.hpp"
 
 #include <Eigen/LU>
+#include <cmath>
 
 #include "egomod/core/geometry.hpp"
 #include "moving_objects/motion_groups.hpp"
@@ -12,6 +13,9 @@ namespace {
 // The filters are ready for manoeuvres at any time. While a body makes none, their velocities err
 // by this share of the variance that they say; what a manoeuvre adds is `Manoeuvre`'s.
 constexpr double kSteadyShare = 0.04;
+// What the points of a surface err by together is an error of the disparity, and along the ray: of
+// the variances across it this share is left.
+constexpr double kAcrossShare = 0.3;
 constexpr double kTurnPrior_radps = 0.7;
 // Of the angular velocity, 3 dof. Far above what noise makes: a body that brakes, while some of its
 // points lag behind more than others, looks as if it turned.
@@ -42,6 +46,14 @@ Equations equations_of(std::span<const PointSample> points, Members members,
   return e;
 }
 
+Eigen::Matrix3d with_share_across(const Eigen::Matrix3d& C, const Eigen::Vector3d& at_m) {
+  const double across = std::sqrt(kAcrossShare);
+  const Eigen::Vector3d ray = at_m.normalized();
+  const Eigen::Matrix3d D =
+      across * Eigen::Matrix3d::Identity() + (1.0 - across) * ray * ray.transpose();
+  return D * C * D;
+}
+
 }  // namespace
 
 BodyMotion fit_body_motion(std::span<const PointSample> points, Members members,
@@ -53,8 +65,9 @@ BodyMotion fit_body_motion(std::span<const PointSample> points, Members members,
   e.information *= weight;
   e.weighted *= weight;
   BodyMotion body;
-  body.velocity_covariance_m2ps2 = e.information.topLeftCorner<3, 3>().inverse();
-  body.velocity_mps = body.velocity_covariance_m2ps2 * e.weighted.head<3>();
+  const Eigen::Matrix3d mean_covariance = e.information.topLeftCorner<3, 3>().inverse();
+  body.velocity_mps = mean_covariance * e.weighted.head<3>();
+  body.velocity_covariance_m2ps2 = with_share_across(mean_covariance, at_m);
   if (members.size() < kTurnPoints) return body;
 
   e.information.diagonal().tail<3>().array() += 1.0 / (kTurnPrior_radps * kTurnPrior_radps);
@@ -64,7 +77,7 @@ BodyMotion fit_body_motion(std::span<const PointSample> points, Members members,
   const Eigen::Matrix3d turn_information = covariance.bottomRightCorner<3, 3>().inverse();
   if (turn_radps.dot(turn_information * turn_radps) < kTurnChi2) return body;
   body.velocity_mps = motion.head<3>();
-  body.velocity_covariance_m2ps2 = covariance.topLeftCorner<3, 3>();
+  body.velocity_covariance_m2ps2 = with_share_across(covariance.topLeftCorner<3, 3>(), at_m);
   body.angular_velocity_radps = turn_radps;
   return body;
 }

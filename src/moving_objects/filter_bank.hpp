@@ -31,6 +31,9 @@ class FilterBank {
     return {places_[track].filter / kFilterLanes, places_[track].filter % kFilterLanes};
   }
   [[nodiscard]] MeasurementBlock& measurements(FilterSlot at) { return measurements_[at.block]; }
+  [[nodiscard]] const MeasurementBlock& measurements(FilterSlot at) const {
+    return measurements_[at.block];
+  }
   // Takes what is measured into the filters that are seen.
   void step(const FilterStep& step);
   [[nodiscard]] const FilterBlock& filters(FilterSlot at) const { return filters_[at.block]; }

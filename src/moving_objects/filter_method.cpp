@@ -27,6 +27,8 @@ bool is_comparable(const Egomotion& motion) {
          is_finite(motion.T_first_current) && motion.covariance_previous_current.allFinite();
 }
 
+std::size_t place_of(FilterSlot at) { return at.block * kFilterLanes + at.lane; }
+
 bool is_inlier(const Egomotion& motion, std::size_t track) {
   return track < motion.roles.size() && motion.roles[track] == TrackRole::kInlier;
 }
@@ -84,7 +86,8 @@ void FilterMethod::detect(const TrackSet& tracks, const Egomotion& motion, Movin
 }
 
 void FilterMethod::filter(const TrackSet& tracks, const Egomotion& motion) {
-  if (motion.reset_count != reset_count_ || motion.exposure <= now_) {
+  const bool anew = motion.reset_count != reset_count_ || motion.exposure <= now_;
+  if (anew) {
     filters_.clear();
     now_ = motion.exposure;
     rig_pairs_ = 0;
@@ -94,11 +97,12 @@ void FilterMethod::filter(const TrackSet& tracks, const Egomotion& motion) {
   is_slow_ = to_seconds(motion.exposure - now_) > kLongInterval_s;
   now_ = motion.exposure;
   rig_ = RigPose(motion);
+  trails_.begin(now_, anew);
   filters_.align(tracks.tracks);
   for (std::size_t i = 0; i < tracks.tracks.size(); ++i) {
     const Track& track = tracks.tracks[i];
     if (track.has_current && is_usable(tracks.camera, track.current, config_.max_depth_m))
-      measure(track, filters_.slot(i));
+      measure(tracks.camera, track, filters_.slot(i));
   }
   filters_.step(step_of(tracks.camera));
   standing_chi2_.clear();
@@ -110,7 +114,7 @@ void FilterMethod::filter(const TrackSet& tracks, const Egomotion& motion) {
       standing_chi2_.push_back(filters.standing_chi2[at.lane]);
       learn_noise(tracks.camera, tracks.tracks[i], at);
     }
-    PointSample point = sample(at);
+    PointSample point = sample(tracks.camera, at);
     point.track = i;
     if (point.moves) {
       const auto& c = tracks.tracks[i].current.covariance_px2;
@@ -162,7 +166,7 @@ FilterStep FilterMethod::step_of(const StereoCamera& camera) const {
   return step;
 }
 
-void FilterMethod::measure(const Track& track, FilterSlot at) {
+void FilterMethod::measure(const StereoCamera& camera, const Track& track, FilterSlot at) {
   const StereoObservation& seen = track.current;
   const auto& c = seen.covariance_px2;  // upper triangle
   MeasurementBlock& out = filters_.measurements(at);
@@ -180,9 +184,11 @@ void FilterMethod::measure(const Track& track, FilterSlot at) {
   set(out.covariance_px2[4], scale * c[4]);
   set(out.covariance_px2[5], scale * c[5] + floor_px2);
   set(out.reanchored_px, track.reanchored ? kReanchor_px : 0.0);
+  trails_.add(place_of(at), rig_.T_first_current * triangulate(camera, uvd(seen)),
+              filters_.filters(at).updates[at.lane] == 0.0);
 }
 
-PointSample FilterMethod::sample(FilterSlot at) const {
+PointSample FilterMethod::sample(const StereoCamera& camera, FilterSlot at) const {
   const std::size_t lane = at.lane;
   const FilterBlock& filters = filters_.filters(at);
   const PointBlock& points = filters_.points(at);
@@ -210,6 +216,12 @@ PointSample FilterMethod::sample(FilterSlot at) const {
   point.moves = point.moves || point.leaps;
   point.stands = (updates >= kLeastUpdates || in_one_interval) && evidence < 0.0;
   point.pixel_px = {filters.uvd_px[0][lane], filters.uvd_px[1][lane]};
+  if (point.moves) {
+    point.recent = trails_.velocities(place_of(at), rig_.T_current_first.linear());
+    const Eigen::Matrix3d J = triangulate_jacobian(camera, vector_of(filters.uvd_px, lane));
+    point.recent.position_covariance_m2 =
+        J * matrix_of(filters_.measurements(at).covariance_px2, lane) * J.transpose();
+  }
   return point;
 }
 

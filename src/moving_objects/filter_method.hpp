@@ -14,6 +14,7 @@
 #include "moving_objects/object_table.hpp"
 #include "moving_objects/point_sample.hpp"
 #include "moving_objects/rig_pose.hpp"
+#include "moving_objects/trails.hpp"
 
 namespace egomod {
 
@@ -31,14 +32,15 @@ class FilterMethod {
   void follow_rig(const Egomotion& motion);
   [[nodiscard]] MotionPrior prior() const;
   [[nodiscard]] FilterStep step_of(const StereoCamera& camera) const;
-  void measure(const Track& track, FilterSlot at);
+  void measure(const StereoCamera& camera, const Track& track, FilterSlot at);
   void learn_noise(const StereoCamera& camera, const Track& track, FilterSlot at);
-  [[nodiscard]] PointSample sample(FilterSlot at) const;
+  [[nodiscard]] PointSample sample(const StereoCamera& camera, FilterSlot at) const;
   void report_points(const TrackSet& tracks, std::vector<PointMotion>& points) const;
   [[nodiscard]] PointState state_of(const PointSample& point) const;
 
   const MovingObjectsConfig config_;
   FilterBank filters_;
+  Trails trails_;
   std::uint32_t reset_count_ = 0;
   Nanoseconds now_{0};
   bool is_slow_ = false;  // a long interval since the pair before

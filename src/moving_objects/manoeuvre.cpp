@@ -11,11 +11,13 @@ constexpr double kUnrestMemory_s = 0.5;
 // Of the mean squares of changes: what is left of the error along them, and what there is of it in
 // any direction, since a point's depth and its way across the image are measured together.
 constexpr double kAlongShare = 0.7;
-constexpr double kAcrossShare = 0.1;
+constexpr double kAcrossShare = 0.04;
 constexpr double kLeadShare = 0.3;  // of the change: more of it adds more noise than it takes lag
 
 // Of the velocity of what stood: by so much it may be behind when it first shows.
 constexpr double kBehind = 2.0;
+constexpr double kStart_s = 0.3;  // how long it may have taken
+constexpr double kPast_s = 0.5;
 constexpr double kAgeing = 2.0;  // in the time that it took
 
 }  // namespace
@@ -51,6 +53,19 @@ Eigen::Matrix3d Manoeuvre::covariance_m2ps2() const {
   const Eigen::Matrix3d along = change_mps_ * change_mps_.transpose() + unrest_m2ps2_ +
                                 behind * velocity_mps * velocity_mps.transpose();
   return kAlongShare * along + kAcrossShare * along.trace() * Eigen::Matrix3d::Identity();
+}
+
+// What stood has come to its velocity since, from nothing.
+Eigen::Matrix3d Manoeuvre::acceleration_m2ps4() const {
+  const Eigen::Vector3d velocity_mps = slow_mps_ + change_mps_;
+  const double age_s = to_seconds(now_ - begun_);
+  const double start = start_.stood_share * std::exp(-2.0 * age_s / kMemory_s);
+  return change_mps_ * change_mps_.transpose() / (kMemory_s * kMemory_s) +
+         start / (kStart_s * kStart_s) * velocity_mps * velocity_mps.transpose();
+}
+
+bool Manoeuvre::has_past() const {
+  return start_.stood_share > 0.5 || to_seconds(now_ - begun_) + start_.learnt_s > kPast_s;
 }
 
 double Manoeuvre::youth() const {

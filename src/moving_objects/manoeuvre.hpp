@@ -24,6 +24,10 @@ class Manoeuvre {
 
   [[nodiscard]] Eigen::Vector3d lead_mps() const;  // to be added to the velocity
   [[nodiscard]] Eigen::Matrix3d covariance_m2ps2() const;
+  // What it may well do now.
+  [[nodiscard]] Eigen::Matrix3d acceleration_m2ps4() const;
+  // The filters knew of what is older than the last few pairs, and may be behind for that.
+  [[nodiscard]] bool has_past() const;
   // What has just been found has been because the errors of its points agreed. From 1, falls in
   // about the time that it took to find it.
   [[nodiscard]] double youth() const;

@@ -8,6 +8,7 @@
 #include "egomod/core/geometry.hpp"
 #include "moving_objects/body_motion.hpp"
 #include "moving_objects/group_shape.hpp"
+#include "moving_objects/recent_motion.hpp"
 
 namespace egomod {
 namespace {
@@ -39,7 +40,7 @@ constexpr double kLimbSpan_m = 0.4;   // beside the trunk
 constexpr double kLimbDepth_m = 0.5;
 // Error of a surface's centre by its size, however many points show it.
 constexpr double kShapeShare = 0.04;
-constexpr double kYoungVariance = 9.0;  // of a velocity just found, above that of a known one
+constexpr double kYoungVariance = 2.0;  // of a velocity just found, above that of a known one
 constexpr std::size_t kLeastPoints = MotionGroups::kLeastPoints;
 
 // Few points show the outline of a surface badly, and many not exactly.
@@ -53,14 +54,6 @@ bool is_finite(const MovingObject& object) {
   return object.position_m.allFinite() && object.velocity_mps.allFinite() &&
          object.position_covariance_m2.allFinite() &&
          object.velocity_covariance_m2ps2.allFinite() && std::isfinite(object.motion_probability);
-}
-
-bool move_as_one(const MovingObject& a, const MovingObject& b) {
-  const double slack_mps = kPartSpeed_mps + kPartSpeedShare * std::max(a.speed_mps, b.speed_mps);
-  const Eigen::Vector3d dv = a.velocity_mps - b.velocity_mps;
-  const Eigen::Matrix3d S = a.velocity_covariance_m2ps2 + b.velocity_covariance_m2ps2 +
-                            slack_mps * slack_mps / kPartChi2 * Eigen::Matrix3d::Identity();
-  return dv.dot(S.inverse() * dv) < kPartChi2;
 }
 
 MotionStart start_of(std::span<const PointSample> points, Members members) {
@@ -81,6 +74,15 @@ ObjectTable::ObjectTable(const MovingObjectsConfig& config, const ObjectGates& g
   for (auto* ids : {&track_ids_, &previous_track_ids_}) ids->reserve(kReservedTracks);
   for (auto* owners : {&owners_, &previous_owners_}) owners->reserve(kReservedTracks);
   for (auto* members : {&members_, &trunk_}) members->reserve(kReservedTracks);
+}
+
+bool ObjectTable::move_as_one(const FilteredMotion& a, const FilteredMotion& b) {
+  const double speed_mps = std::max(a.velocity_mps.norm(), b.velocity_mps.norm());
+  const double slack_mps = kPartSpeed_mps + kPartSpeedShare * speed_mps;
+  const Eigen::Vector3d dv = a.velocity_mps - b.velocity_mps;
+  const Eigen::Matrix3d S = a.covariance_m2ps2 + b.covariance_m2ps2 +
+                            slack_mps * slack_mps / kPartChi2 * Eigen::Matrix3d::Identity();
+  return dv.dot(S.inverse() * dv) < kPartChi2;
 }
 
 // By the free space between their boxes along each axis.
@@ -361,7 +363,7 @@ void ObjectTable::absorb_parts(const StereoCamera& camera, std::span<const Point
   for (auto older = objects_.begin(); older != objects_.end(); ++older) {
     const auto is_part = [&](const Tracked& younger) {
       if (!older->evident || !younger.evident || !are_near(*older, younger) ||
-          !move_as_one(older->object, younger.object) || are_seen_past(points, *older, younger))
+          !move_as_one(older->filtered, younger.filtered) || are_seen_past(points, *older, younger))
         return false;
       std::replace(owners_.begin(), owners_.end(), younger.object.id, older->object.id);
       older->confirmed = older->confirmed || younger.confirmed;
@@ -433,15 +435,23 @@ void ObjectTable::measure_motion(std::span<const PointSample> points, Tracked& t
   if (trunk.empty()) return;
   const BodyMotion body =
       fit_body_motion(points, trunk, object.position_m, config_.error_correlation);
-  tracked.manoeuvre.follow(body.velocity_mps, now_, start_of(points, trunk));
-  object.velocity_mps = body.velocity_mps + tracked.manoeuvre.lead_mps();
+  Manoeuvre& manoeuvre = tracked.manoeuvre;
+  manoeuvre.follow(body.velocity_mps, now_, start_of(points, trunk));
+  object.velocity_mps = body.velocity_mps + manoeuvre.lead_mps();
   object.angular_velocity_radps = body.angular_velocity_radps;
+  Eigen::Matrix3d manoeuvres_m2ps2 = manoeuvre.covariance_m2ps2();
   // Where a turning body is not quite where it is thought to be, another part of it is.
   const Eigen::Matrix3d lever = skew(body.angular_velocity_radps);
-  const double youth = 1.0 + kYoungVariance * tracked.manoeuvre.youth();
-  object.velocity_covariance_m2ps2 = youth * body.velocity_covariance_m2ps2 +
-                                     tracked.manoeuvre.covariance_m2ps2() +
+  const double youth = 1.0 + kYoungVariance * manoeuvre.youth();
+  const Eigen::Matrix3d rest_m2ps2 = youth * body.velocity_covariance_m2ps2 +
                                      lever * object.position_covariance_m2 * lever.transpose();
+  tracked.filtered = {object.velocity_mps, rest_m2ps2 + manoeuvres_m2ps2};
+  if (manoeuvre.has_past()) {
+    take(fit_recent_motion(points, trunk, body, object.position_m, object.velocity_mps,
+                           manoeuvre.acceleration_m2ps4()),
+         object.velocity_mps, manoeuvres_m2ps2);
+  }
+  object.velocity_covariance_m2ps2 = rest_m2ps2 + manoeuvres_m2ps2;
 }
 
 // Without a group of its own: does it rest, or is it only not seen?

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -19,6 +20,19 @@ inline constexpr std::size_t kReservedTracks = 2048;
 inline constexpr std::size_t kReservedObjects = 64;
 inline constexpr std::size_t kReservedNoiseBins = 32;
 
+// How fast a point went over its last pairs, by where it was measured in them and nothing else.
+inline constexpr std::array<std::size_t, 5> kRecentPairs{3, 4, 6, 8, 11};
+struct RecentVelocities {
+  struct Window {
+    Eigen::Vector3d velocity_mps;
+    double gain_hz2;  // its variance by that of a position
+    double span_s;
+  };
+  std::array<Window, kRecentPairs.size()> windows;
+  std::size_t count = 0;
+  Eigen::Matrix3d position_covariance_m2 = Eigen::Matrix3d::Zero();  // as measured in one pair
+};
+
 // One track measured in two pairs, seen from the later one (left camera axes).
 struct PointSample {
   std::size_t track = 0;  // index into TrackSet::tracks
@@ -29,9 +43,10 @@ struct PointSample {
   Eigen::Matrix3d position_covariance_m2 = Eigen::Matrix3d::Zero();
   Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();  // relative to the static world
   Eigen::Matrix3d velocity_covariance_m2ps2 = Eigen::Matrix3d::Zero();
-  double learnt_s = 0.0;  // for how long that has been learnt, of what moves; 0: since it stood
-  bool stood = false;     // when it began to be
-  double chi2 = 0.0;      // of the displacement under "static", 3 degrees of freedom
+  RecentVelocities recent;  // of what moves
+  double learnt_s = 0.0;    // for how long that has been learnt, of what moves; 0: since it stood
+  bool stood = false;       // when it began to be
+  double chi2 = 0.0;        // of the displacement under "static", 3 degrees of freedom
   double motion_probability = 0.0;
   double evidence = 0.0;  // log likelihood ratio, moving over static
   bool moves = false;

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moving_objects/recent_motion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+#include <random>
+#include <vector>
+
+namespace egomod {
+namespace {
+
+const Eigen::Vector3d kAt_m{0.3, 0.1, 5.0};
+const Eigen::Vector3d kNow_mps{0.0, 0.0, 0.4};
+
+// Points whose windows say `velocity_of(window)`, with the noise that they say.
+template <typename Field>
+std::vector<PointSample> points_of(int count, const Field& velocity_of, double sigma_m = 0.01) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise;
+  std::vector<PointSample> points(static_cast<std::size_t>(count));
+  for (PointSample& point : points) {
+    point.position_m = kAt_m + 0.3 * Eigen::Vector3d(noise(random), noise(random), 0.0);
+    point.recent.position_covariance_m2 = sigma_m * sigma_m * Eigen::Matrix3d::Identity();
+    for (std::size_t k = 0; k < kRecentPairs.size(); ++k) {
+      const auto n = static_cast<double>(kRecentPairs[k]);
+      const double gain_hz2 = 900.0 * 12.0 / (n * (n * n - 1.0));
+      const double sigma_mps = std::sqrt(gain_hz2) * sigma_m;
+      const Eigen::Vector3d error{noise(random), noise(random), noise(random)};
+      point.recent.windows[k] = {velocity_of(k, point.position_m) + sigma_mps * error, gain_hz2,
+                                 (n - 1.0) / 30.0};
+    }
+    point.recent.count = kRecentPairs.size();
+  }
+  return points;
+}
+
+RecentMotion fit(const std::vector<PointSample>& points, const Eigen::Vector3d& velocity_mps,
+                 const BodyMotion& body = {}) {
+  std::vector<Grouper::Index> members(points.size());
+  std::iota(members.begin(), members.end(), Grouper::Index{0});
+  return fit_recent_motion(points, members, body, kAt_m, velocity_mps, Eigen::Matrix3d::Zero());
+}
+
+TEST(RecentMotion, LeavesAVelocityThatIsRight) {
+  const auto points = points_of(40, [](auto, const auto&) { return kNow_mps; });
+  const RecentMotion recent = fit(points, kNow_mps);
+  EXPECT_EQ(recent.proven, 0.0);
+  Eigen::Vector3d velocity_mps = kNow_mps;
+  Eigen::Matrix3d manoeuvres = 0.01 * Eigen::Matrix3d::Identity();
+  take(recent, velocity_mps, manoeuvres);
+  EXPECT_EQ(velocity_mps, kNow_mps);
+  // That it makes no manoeuvre is known by now.
+  EXPECT_LT(manoeuvres.trace(), 0.1 * 0.03);
+}
+
+TEST(RecentMotion, CatchesUpWithABodyThatHasStarted) {
+  // It started three pairs ago: longer windows begin before.
+  const auto points = points_of(
+      40,
+      [](std::size_t k, const auto&) -> Eigen::Vector3d {
+        return kNow_mps * 3.0 / static_cast<double>(kRecentPairs[k]);
+      },
+      0.004);
+  Eigen::Vector3d velocity_mps = 0.25 * kNow_mps;
+  Eigen::Matrix3d manoeuvres = Eigen::Matrix3d::Zero();
+  const RecentMotion recent = fit(points, velocity_mps);
+  EXPECT_GT(recent.proven, 0.3);
+  take(recent, velocity_mps, manoeuvres);
+  EXPECT_LT((velocity_mps - kNow_mps).norm(), 0.12);
+  EXPECT_GT((velocity_mps - kNow_mps).dot(manoeuvres.inverse() * (velocity_mps - kNow_mps)), 0.0);
+}
+
+TEST(RecentMotion, TakesARotationForNoChange) {
+  BodyMotion body;
+  body.angular_velocity_radps = {0.0, 1.0, 0.0};
+  const auto points = points_of(40, [&](auto, const Eigen::Vector3d& at_m) -> Eigen::Vector3d {
+    return kNow_mps + body.angular_velocity_radps.cross(at_m - kAt_m);
+  });
+  EXPECT_EQ(fit(points, kNow_mps, body).proven, 0.0);
+}
+
+TEST(RecentMotion, HearsNoFewPoints) {
+  const auto points = points_of(4, [](auto, const auto&) { return kNow_mps; });
+  const RecentMotion recent = fit(points, Eigen::Vector3d::Zero());
+  EXPECT_EQ(recent.proven, 0.0);
+  Eigen::Vector3d velocity_mps{0.1, 0.0, 0.0};
+  Eigen::Matrix3d manoeuvres = Eigen::Matrix3d::Identity();
+  take(recent, velocity_mps, manoeuvres);
+  EXPECT_EQ(manoeuvres, Eigen::Matrix3d::Identity());
+  EXPECT_EQ(velocity_mps.x(), 0.1);
+}
+
+}  // namespace
+}  // namespace egomod
