@@ -15,7 +15,7 @@ namespace {
 constexpr double kSteadyShare = 0.04;
 // What the points of a surface err by together is an error of the disparity, and along the ray: of
 // the variances across it this share is left.
-constexpr double kAcrossShare = 0.3;
+constexpr double kAcrossShare = 0.35;
 constexpr double kTurnPrior_radps = 0.7;
 // Of the angular velocity, 3 dof. Far above what noise makes: a body that brakes, while some of its
 // points lag behind more than others, looks as if it turned.

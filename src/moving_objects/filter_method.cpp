@@ -18,6 +18,7 @@ constexpr double kLeapChi2 = 16.27;    // 99.9 %, 3 dof: a single displacement a
 constexpr int kConfirmPairs = 2;
 constexpr double kRigMemory_s = 0.15;  // one pair at a high rate tells little about the speed
 constexpr double kReanchor_px = 0.2;   // a renewed template may step
+constexpr double kLeastRest_s = 0.3;   // sooner, what moves may look at rest
 // A velocity less certain than this in some direction says nothing about "static".
 constexpr double kUnobservable_mps = 0.5;
 
@@ -201,8 +202,8 @@ PointSample FilterMethod::sample(const StereoCamera& camera, FilterSlot at) cons
   point.position_covariance_m2 = matrix_of(points.position_covariance_m2, lane);
   point.velocity_mps = vector_of(points.velocity_mps, lane);
   point.velocity_covariance_m2ps2 = matrix_of(points.velocity_covariance_m2ps2, lane);
-  point.stood = filters.stood[lane] != 0.0;
   const Nanoseconds learnt{filters.seen_ns[lane] - filters.fresh_ns[lane]};
+  point.stood = filters.stood[lane] != 0.0 && to_seconds(learnt) >= kLeastRest_s;
   point.learnt_s = point.stood ? 0.0 : to_seconds(learnt);
   point.chi2 = points.chi2[lane];
   point.evidence = evidence;

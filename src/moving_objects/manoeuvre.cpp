@@ -16,7 +16,7 @@ constexpr double kLeadShare = 0.3;  // of the change: more of it adds more noise
 
 // Of the velocity of what stood: by so much it may be behind when it first shows.
 constexpr double kBehind = 2.0;
-constexpr double kStart_s = 0.3;  // how long it may have taken
+constexpr double kStart_s = 0.3;  // about what it takes to get there
 constexpr double kPast_s = 0.5;
 constexpr double kAgeing = 2.0;  // in the time that it took
 
@@ -62,6 +62,10 @@ Eigen::Matrix3d Manoeuvre::acceleration_m2ps4() const {
   const double start = start_.stood_share * std::exp(-2.0 * age_s / kMemory_s);
   return change_mps_ * change_mps_.transpose() / (kMemory_s * kMemory_s) +
          start / (kStart_s * kStart_s) * velocity_mps * velocity_mps.transpose();
+}
+
+double Manoeuvre::behind_share() const {
+  return start_.stood_share * std::exp(-to_seconds(now_ - begun_) / kStart_s);
 }
 
 bool Manoeuvre::has_past() const {

@@ -26,6 +26,9 @@ class Manoeuvre {
   [[nodiscard]] Eigen::Matrix3d covariance_m2ps2() const;
   // What it may well do now.
   [[nodiscard]] Eigen::Matrix3d acceleration_m2ps4() const;
+  // From 1, by how much of itself the velocity may be behind along the line of sight, where filters
+  // learn slowest; 0 for what has not started from rest.
+  [[nodiscard]] double behind_share() const;
   // The filters knew of what is older than the last few pairs, and may be behind for that.
   [[nodiscard]] bool has_past() const;
   // What has just been found has been because the errors of its points agreed. From 1, falls in

@@ -447,9 +447,12 @@ void ObjectTable::measure_motion(std::span<const PointSample> points, Tracked& t
                                      lever * object.position_covariance_m2 * lever.transpose();
   tracked.filtered = {object.velocity_mps, rest_m2ps2 + manoeuvres_m2ps2};
   if (manoeuvre.has_past()) {
+    const Eigen::Vector3d ray = object.position_m.normalized();
+    const Eigen::Vector3d behind_mps =
+        manoeuvre.behind_share() * ray.dot(object.velocity_mps) * ray;
     take(fit_recent_motion(points, trunk, body, object.position_m, object.velocity_mps,
                            manoeuvre.acceleration_m2ps4()),
-         object.velocity_mps, manoeuvres_m2ps2);
+         behind_mps * behind_mps.transpose(), object.velocity_mps, manoeuvres_m2ps2);
   }
   object.velocity_covariance_m2ps2 = rest_m2ps2 + manoeuvres_m2ps2;
 }

@@ -85,15 +85,16 @@ RecentMotion fit_recent_motion(std::span<const PointSample> points, Members memb
   return best;
 }
 
-void take(const RecentMotion& recent, Eigen::Vector3d& velocity_mps,
-          Eigen::Matrix3d& manoeuvres_m2ps2) {
+void take(const RecentMotion& recent, const Eigen::Matrix3d& start_m2ps2,
+          Eigen::Vector3d& velocity_mps, Eigen::Matrix3d& manoeuvres_m2ps2) {
   if (recent.covariance_m2ps2.trace() <= 0.0) return;
-  const Eigen::Matrix3d proven = recent.proven * recent.ahead_mps * recent.ahead_mps.transpose();
+  const Eigen::Matrix3d change =
+      recent.proven * recent.ahead_mps * recent.ahead_mps.transpose() + start_m2ps2;
   const auto gain = [&](const Eigen::Matrix3d& prior) -> Eigen::Matrix3d {
     return prior * (prior + recent.covariance_m2ps2).inverse();
   };
-  const Eigen::Vector3d taken_mps = gain(proven) * recent.ahead_mps;
-  const Eigen::Matrix3d prior = manoeuvres_m2ps2 + proven;
+  const Eigen::Vector3d taken_mps = gain(change) * recent.ahead_mps;
+  const Eigen::Matrix3d prior = manoeuvres_m2ps2 + change;
   const Eigen::Matrix3d K = gain(prior);
   const Eigen::Vector3d left_mps = K * recent.ahead_mps - taken_mps;
   velocity_mps += taken_mps;

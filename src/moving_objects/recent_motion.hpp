@@ -27,9 +27,9 @@ struct RecentMotion {
                                              const Eigen::Vector3d& velocity_mps,
                                              const Eigen::Matrix3d& acceleration_m2ps4);
 
-// Moves the velocity as far ahead as is proven. Its covariance for manoeuvres becomes what they may
-// be now that the last few pairs are known.
-void take(const RecentMotion& recent, Eigen::Vector3d& velocity_mps,
-          Eigen::Matrix3d& manoeuvres_m2ps2);
+// Moves the velocity as far ahead as is proven, or to be expected (`start_m2ps2`). Its covariance
+// for manoeuvres becomes what they may be now that the last few pairs are known.
+void take(const RecentMotion& recent, const Eigen::Matrix3d& start_m2ps2,
+          Eigen::Vector3d& velocity_mps, Eigen::Matrix3d& manoeuvres_m2ps2);
 
 }  // namespace egomod

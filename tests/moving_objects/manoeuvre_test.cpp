@@ -57,6 +57,21 @@ TEST(Manoeuvre, VelocityOfWhatStoodMayBeFarBehindAtFirst) {
   }
 }
 
+TEST(Manoeuvre, HasAPastThatMayKeepItBehindAfterARestOrAfterSomeTime) {
+  Manoeuvre started;
+  started.follow({0.4, 0.0, 0.0}, 0ms, {.stood_share = 1.0});
+  EXPECT_TRUE(started.has_past());
+  EXPECT_NEAR(started.behind_share(), 1.0, kNothing);
+  started.follow({0.4, 0.0, 0.0}, 400ms);
+  EXPECT_LT(started.behind_share(), 0.3);
+  Manoeuvre found;
+  found.follow({0.4, 0.0, 0.0}, 0ms, {.learnt_s = 0.2});
+  EXPECT_FALSE(found.has_past());
+  EXPECT_EQ(found.behind_share(), 0.0);
+  found.follow({0.4, 0.0, 0.0}, 400ms);
+  EXPECT_TRUE(found.has_past());
+}
+
 TEST(Manoeuvre, IsYoungForAboutAsLongAsItWasSought) {
   const auto youth_after = [](Nanoseconds age, double learnt_s) {
     Manoeuvre manoeuvre;

@@ -49,7 +49,7 @@ TEST(RecentMotion, LeavesAVelocityThatIsRight) {
   EXPECT_EQ(recent.proven, 0.0);
   Eigen::Vector3d velocity_mps = kNow_mps;
   Eigen::Matrix3d manoeuvres = 0.01 * Eigen::Matrix3d::Identity();
-  take(recent, velocity_mps, manoeuvres);
+  take(recent, Eigen::Matrix3d::Zero(), velocity_mps, manoeuvres);
   EXPECT_EQ(velocity_mps, kNow_mps);
   // That it makes no manoeuvre is known by now.
   EXPECT_LT(manoeuvres.trace(), 0.1 * 0.03);
@@ -67,9 +67,23 @@ TEST(RecentMotion, CatchesUpWithABodyThatHasStarted) {
   Eigen::Matrix3d manoeuvres = Eigen::Matrix3d::Zero();
   const RecentMotion recent = fit(points, velocity_mps);
   EXPECT_GT(recent.proven, 0.3);
-  take(recent, velocity_mps, manoeuvres);
+  take(recent, Eigen::Matrix3d::Zero(), velocity_mps, manoeuvres);
   EXPECT_LT((velocity_mps - kNow_mps).norm(), 0.12);
   EXPECT_GT((velocity_mps - kNow_mps).dot(manoeuvres.inverse() * (velocity_mps - kNow_mps)), 0.0);
+}
+
+TEST(RecentMotion, BelievesAnExpectedChangeSooner) {
+  const auto points = points_of(
+      8, [](auto, const auto&) { return kNow_mps; }, 0.05);
+  const auto taken = [&](double start_mps) {
+    Eigen::Vector3d velocity_mps = 0.7 * kNow_mps;
+    Eigen::Matrix3d manoeuvres = Eigen::Matrix3d::Zero();
+    take(fit(points, velocity_mps), start_mps * start_mps * Eigen::Matrix3d::Identity(),
+         velocity_mps, manoeuvres);
+    return (velocity_mps - 0.7 * kNow_mps).norm();
+  };
+  EXPECT_EQ(taken(0.0), 0.0);
+  EXPECT_GT(taken(0.3), 0.03);
 }
 
 TEST(RecentMotion, TakesARotationForNoChange) {
@@ -87,7 +101,7 @@ TEST(RecentMotion, HearsNoFewPoints) {
   EXPECT_EQ(recent.proven, 0.0);
   Eigen::Vector3d velocity_mps{0.1, 0.0, 0.0};
   Eigen::Matrix3d manoeuvres = Eigen::Matrix3d::Identity();
-  take(recent, velocity_mps, manoeuvres);
+  take(recent, Eigen::Matrix3d::Zero(), velocity_mps, manoeuvres);
   EXPECT_EQ(manoeuvres, Eigen::Matrix3d::Identity());
   EXPECT_EQ(velocity_mps.x(), 0.1);
 }
