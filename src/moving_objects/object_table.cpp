@@ -56,6 +56,14 @@ bool is_finite(const MovingObject& object) {
          object.velocity_covariance_m2ps2.allFinite() && std::isfinite(object.motion_probability);
 }
 
+bool move_as_one(const MovingObject& a, const MovingObject& b) {
+  const double slack_mps = kPartSpeed_mps + kPartSpeedShare * std::max(a.speed_mps, b.speed_mps);
+  const Eigen::Vector3d dv = a.velocity_mps - b.velocity_mps;
+  const Eigen::Matrix3d S = a.velocity_covariance_m2ps2 + b.velocity_covariance_m2ps2 +
+                            slack_mps * slack_mps / kPartChi2 * Eigen::Matrix3d::Identity();
+  return dv.dot(S.inverse() * dv) < kPartChi2;
+}
+
 MotionStart start_of(std::span<const PointSample> points, Members members) {
   MotionStart start;
   const auto count = static_cast<double>(members.size());
@@ -74,15 +82,6 @@ ObjectTable::ObjectTable(const MovingObjectsConfig& config, const ObjectGates& g
   for (auto* ids : {&track_ids_, &previous_track_ids_}) ids->reserve(kReservedTracks);
   for (auto* owners : {&owners_, &previous_owners_}) owners->reserve(kReservedTracks);
   for (auto* members : {&members_, &trunk_}) members->reserve(kReservedTracks);
-}
-
-bool ObjectTable::move_as_one(const FilteredMotion& a, const FilteredMotion& b) {
-  const double speed_mps = std::max(a.velocity_mps.norm(), b.velocity_mps.norm());
-  const double slack_mps = kPartSpeed_mps + kPartSpeedShare * speed_mps;
-  const Eigen::Vector3d dv = a.velocity_mps - b.velocity_mps;
-  const Eigen::Matrix3d S = a.covariance_m2ps2 + b.covariance_m2ps2 +
-                            slack_mps * slack_mps / kPartChi2 * Eigen::Matrix3d::Identity();
-  return dv.dot(S.inverse() * dv) < kPartChi2;
 }
 
 // By the free space between their boxes along each axis.
@@ -363,7 +362,7 @@ void ObjectTable::absorb_parts(const StereoCamera& camera, std::span<const Point
   for (auto older = objects_.begin(); older != objects_.end(); ++older) {
     const auto is_part = [&](const Tracked& younger) {
       if (!older->evident || !younger.evident || !are_near(*older, younger) ||
-          !move_as_one(older->filtered, younger.filtered) || are_seen_past(points, *older, younger))
+          !move_as_one(older->object, younger.object) || are_seen_past(points, *older, younger))
         return false;
       std::replace(owners_.begin(), owners_.end(), younger.object.id, older->object.id);
       older->confirmed = older->confirmed || younger.confirmed;
@@ -413,10 +412,11 @@ void ObjectTable::measure(const StereoCamera& camera, std::span<const PointSampl
   object.position_covariance_m2 = mean_covariance(points, members_, config_.error_correlation,
                                                   &PointSample::position_covariance_m2) +
                                   shape_variance_m2(object) * Eigen::Matrix3d::Identity();
+  tracked.latest = {object.velocity_mps, object.velocity_covariance_m2ps2};
   measure_motion(points, tracked);
   set_speed(object);
   object.motion_probability = logistic(motion_log_ratio(
-      object.velocity_mps, object.velocity_covariance_m2ps2, config_.velocity_prior_mps));
+      tracked.latest.mps, tracked.latest.covariance_m2ps2, config_.velocity_prior_mps));
 }
 
 // The members that have the object's velocity: all of them, but for limbs that swing.
@@ -445,16 +445,17 @@ void ObjectTable::measure_motion(std::span<const PointSample> points, Tracked& t
   const double youth = 1.0 + kYoungVariance * manoeuvre.youth();
   const Eigen::Matrix3d rest_m2ps2 = youth * body.velocity_covariance_m2ps2 +
                                      lever * object.position_covariance_m2 * lever.transpose();
-  tracked.filtered = {object.velocity_mps, rest_m2ps2 + manoeuvres_m2ps2};
+  object.velocity_covariance_m2ps2 = rest_m2ps2 + manoeuvres_m2ps2;
+  tracked.latest.mps = object.velocity_mps;
   if (manoeuvre.has_past()) {
     const Eigen::Vector3d ray = object.position_m.normalized();
     const Eigen::Vector3d behind_mps =
         manoeuvre.behind_share() * ray.dot(object.velocity_mps) * ray;
     take(fit_recent_motion(points, trunk, body, object.position_m, object.velocity_mps,
                            manoeuvre.acceleration_m2ps4()),
-         behind_mps * behind_mps.transpose(), object.velocity_mps, manoeuvres_m2ps2);
+         behind_mps * behind_mps.transpose(), tracked.latest.mps, manoeuvres_m2ps2);
   }
-  object.velocity_covariance_m2ps2 = rest_m2ps2 + manoeuvres_m2ps2;
+  tracked.latest.covariance_m2ps2 = rest_m2ps2 + manoeuvres_m2ps2;
 }
 
 // Without a group of its own: does it rest, or is it only not seen?
@@ -475,7 +476,13 @@ bool ObjectTable::is_lost(const Tracked& tracked) const {
 }
 
 void ObjectTable::report(std::vector<MovingObject>& objects) const {
-  for (const Tracked& tracked : objects_) objects.push_back(tracked.object);
+  for (const Tracked& tracked : objects_) {
+    MovingObject& object = objects.emplace_back(tracked.object);
+    if (!tracked.evident) continue;
+    object.velocity_mps = tracked.latest.mps;
+    object.velocity_covariance_m2ps2 = tracked.latest.covariance_m2ps2;
+    set_speed(object);
+  }
 }
 
 }  // namespace egomod

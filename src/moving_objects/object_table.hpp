@@ -55,15 +55,14 @@ class ObjectTable {
     Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
     Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
   };
-  // By the filters alone: all parts of a body are behind alike.
-  struct FilteredMotion {
-    Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
+  struct Velocity {
+    Eigen::Vector3d mps = Eigen::Vector3d::Zero();
     Eigen::Matrix3d covariance_m2ps2 = Eigen::Matrix3d::Zero();
   };
   struct Tracked {
-    MovingObject object;
+    MovingObject object;  // its velocity is the filters': parts of one body are behind alike
+    Velocity latest;      // by its last pairs, too: what is told
     Manoeuvre manoeuvre;
-    FilteredMotion filtered;
     Nanoseconds first{0};
     Nanoseconds last_evidence{0};
     int pairs = 0;          // with evidence
@@ -78,7 +77,6 @@ class ObjectTable {
     Box box;
   };
 
-  [[nodiscard]] static bool move_as_one(const FilteredMotion& a, const FilteredMotion& b);
   [[nodiscard]] bool are_near(const Tracked& a, const Tracked& b) const;
   [[nodiscard]] static bool are_seen_past(std::span<const PointSample> points, const Tracked& a,
                                           const Tracked& b);
