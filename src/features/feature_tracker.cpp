@@ -26,6 +26,7 @@ constexpr int kMaxPairsWithoutStereo = 5;
 // Shares of points not found that call for the wide search, and that discredit the prediction.
 constexpr float kBridgingShare = 0.3F;
 constexpr float kSurpriseShare = 0.5F;
+constexpr double kLongInterval_s = 0.4;  // movers leave the reach of the usual search in it
 // Beyond 1000 the drift does not fall; see docs/egomotion.md for what each costs.
 constexpr int kMaxTracks = 1000;
 constexpr int kMaxTracksBaseline = 550;
@@ -225,7 +226,9 @@ void FeatureTracker::Implementation::follow() {
   const bool bridging = lost_share() > kBridgingShare;
   if (bridging) bridge();
   temporal.give_up_young_loners(rig_motion_, store_);
-  if (!bridging) workers_->movers.find_lost(previous(), current(), rig_motion_, temporal, store_);
+  if (!bridging)
+    workers_->movers.find_lost(previous(), current(), rig_motion_,
+                               last_interval_s_ > kLongInterval_s, temporal, store_);
   TemporalAlignment::remember_resting(rig_motion_, store_);
 }
 

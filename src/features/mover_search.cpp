@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace egomod {
 namespace {
@@ -15,7 +16,8 @@ constexpr float kTogether_px = 90.0F;
 constexpr float kNear_px = 45.0F;
 constexpr std::ptrdiff_t kMinLostNear = 3;  // itself among them
 constexpr float kLostShare = 0.5F;
-constexpr std::size_t kMaxSearches = 32;  // bounds the time of a pair
+constexpr std::size_t kMaxSearches = 32;       // bounds the time of a pair,
+constexpr std::size_t kMaxSearchesLong = 128;  // and of one for which there is time
 constexpr int kLevel = 2;
 constexpr int kWideRadius_px = PatchSearch::kMaxRadius_px;  // at kLevel: 128 px
 constexpr int kRefineRadius_px = 4;                         // at half resolution
@@ -52,12 +54,13 @@ MoverSearch::MoverSearch(int capacity) {
   const auto n = static_cast<std::size_t>(capacity);
   lost_.reserve(n);
   chosen_.reserve(n);
-  votes_.reserve(n + kMaxSearches);
+  votes_.reserve(n + kMaxSearchesLong);
 }
 
 void MoverSearch::find_lost(const StereoImages& previous, const StereoImages& current,
-                            const RigMotion& motion, TemporalAlignment& alignment,
+                            const RigMotion& motion, bool is_long, TemporalAlignment& alignment,
                             TrackStore& store) {
+  is_long_ = is_long;
   gather_lost(store);
   if (lost_.size() < kMinLost || current.left.levels() <= kLevel) return;
   choose_clustered(store);
@@ -102,10 +105,10 @@ void MoverSearch::choose_clustered(const TrackStore& store) {
   chosen_.clear();
   for (const Place& place : lost_)
     if (mostly_lost_around(place, store)) chosen_.push_back(place);
-  if (chosen_.size() <= kMaxSearches) return;
-  for (std::size_t k = 0; k < kMaxSearches; ++k)
-    chosen_[k] = chosen_[k * chosen_.size() / kMaxSearches];
-  chosen_.resize(kMaxSearches);
+  const std::size_t most = is_long_ ? kMaxSearchesLong : kMaxSearches;
+  if (chosen_.size() <= most) return;
+  for (std::size_t k = 0; k < most; ++k) chosen_[k] = chosen_[k * chosen_.size() / most];
+  chosen_.resize(most);
 }
 
 void MoverSearch::vote_by_followed(const RigMotion& motion, const TrackStore& store) {
@@ -125,13 +128,28 @@ void MoverSearch::vote_by_search(const StereoImages& previous, const StereoImage
   }
 }
 
+// Over a long interval, what crosses the image is beside the window, too.
+PatchSearchResult MoverSearch::widest_search(const ImageView& image, const SearchPatch& patch,
+                                             PixelPosition source) {
+  PatchSearchResult best = search_.search(image, patch, source, kWideRadius_px);
+  if (!is_long_) return best;
+  for (const int step_px : {-2 * kWideRadius_px, 2 * kWideRadius_px}) {
+    PixelPosition beside = source;
+    beside.u_px += step_px;
+    PatchSearchResult other = search_.search(image, patch, beside, kWideRadius_px);
+    if (!other.found) continue;
+    if (other.ncc > best.ncc) std::swap(other, best);
+    best.second_ncc = std::max(best.second_ncc, other.ncc);
+  }
+  return best;
+}
+
 std::optional<ImagePoint> MoverSearch::wide_flow(const StereoImages& previous,
                                                  const StereoImages& current, ImagePoint from) {
   const PixelPosition source = patch_top_left(to_level(from, kLevel));
   SearchPatch patch;
   if (!copy_patch(previous.left.level(kLevel), source, patch)) return std::nullopt;
-  const PatchSearchResult best =
-      search_.search(current.left.level(kLevel), patch, source, kWideRadius_px);
+  const PatchSearchResult best = widest_search(current.left.level(kLevel), patch, source);
   if (!best.found || best.ncc < kMinNcc || best.ncc < best.second_ncc + kMinLead)
     return std::nullopt;
   constexpr auto kScale = static_cast<float>(1 << kLevel);

@@ -25,7 +25,7 @@ class MoverSearch {
   explicit MoverSearch(int capacity);
 
   void find_lost(const StereoImages& previous, const StereoImages& current, const RigMotion& motion,
-                 TemporalAlignment& alignment, TrackStore& store);
+                 bool is_long, TemporalAlignment& alignment, TrackStore& store);
 
  private:
   struct Place {  // of a point in the previous pair
@@ -53,9 +53,12 @@ class MoverSearch {
                       const TrackStore& store);
   [[nodiscard]] std::optional<ImagePoint> wide_flow(const StereoImages& previous,
                                                     const StereoImages& current, ImagePoint from);
+  [[nodiscard]] PatchSearchResult widest_search(const ImageView& image, const SearchPatch& patch,
+                                                PixelPosition source);
   void keep_shared();
   [[nodiscard]] LocalFlows flows_around(const Place& place) const;
 
+  bool is_long_ = false;
   PatchSearch search_;
   std::vector<Place> lost_;
   std::vector<Place> chosen_;
