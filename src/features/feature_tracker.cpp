@@ -26,7 +26,7 @@ constexpr int kMaxPairsWithoutStereo = 5;
 // Shares of points not found that call for the wide search, and that discredit the prediction.
 constexpr float kBridgingShare = 0.3F;
 constexpr float kSurpriseShare = 0.5F;
-constexpr double kLongInterval_s = 0.4;  // movers leave the reach of the usual search in it
+constexpr double kLongInterval_s = 0.15;  // movers leave the reach of the usual search in it
 // Beyond 1000 the drift does not fall; see docs/egomotion.md for what each costs.
 constexpr int kMaxTracks = 1000;
 constexpr int kMaxTracksBaseline = 550;

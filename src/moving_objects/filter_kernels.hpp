@@ -12,7 +12,7 @@ inline constexpr double kLeastEvidence = -6.0;
 inline constexpr double kMostEvidence = 25.0;
 inline constexpr double kMostPerPair = 6.0;  // evidence: no single measurement convinces
 // From here on a displacement between two pairs shows motion by itself.
-inline constexpr double kLongInterval_s = 0.4;
+inline constexpr double kLongInterval_s = 0.15;
 
 // Symmetric 3x3 matrices are their lower triangle, row by row.
 using Lanes = double[kFilterLanes];

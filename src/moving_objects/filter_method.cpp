@@ -10,11 +10,12 @@ namespace egomod {
 namespace {
 
 constexpr double kMovingEvidence = 2.0;
-constexpr double kMovingChi2 = 11.34;  // 99 %, 3 dof: its velocity against rest
-constexpr double kMostMisfit = 8.0;    // of a point that may speak for motion
-constexpr double kLeastUpdates = 3;    // the first two of them fix position and velocity
-constexpr double kOneInterval = 2;     // updates
-constexpr double kLeapChi2 = 16.27;    // 99.9 %, 3 dof: a single displacement against rest
+constexpr double kMovingChi2 = 11.34;    // 99 %, 3 dof: its velocity against rest
+constexpr double kMostMisfit = 8.0;      // of a point that may speak for motion
+constexpr double kLeastUpdates = 3;      // the first two of them fix position and velocity
+constexpr double kOneInterval = 2;       // updates
+constexpr double kMostRestMisfit = 1.0;  // usual are 0.2 to 0.5
+constexpr double kLeapChi2 = 16.27;      // 99.9 %, 3 dof: a single displacement against rest
 constexpr int kConfirmPairs = 2;
 constexpr double kRigMemory_s = 0.15;  // one pair at a high rate tells little about the speed
 constexpr double kReanchor_px = 0.2;   // a renewed template may step
@@ -80,7 +81,8 @@ void FilterMethod::detect(const TrackSet& tracks, const Egomotion& motion, Movin
     objects_.associate(tracks.camera, points_, groups_,
                        groups_.find(tracks.camera, points_, rig_velocity_mps_));
   }
-  objects_.update(tracks.camera, points_, motion.status == EstimateStatus::kValid);
+  objects_.update(tracks.camera, points_,
+                  motion.status == EstimateStatus::kValid && (!is_slow_ || rest_fits()));
   objects_.report(objects.objects);
   report_points(tracks, objects.points);
   noise_model_.report(objects.noise);
@@ -111,10 +113,15 @@ void FilterMethod::filter(const TrackSet& tracks, const Egomotion& motion) {
     const FilterSlot at = filters_.slot(i);
     if (filters_.measurements(at).is_seen[at.lane] == 0.0) continue;
     const FilterBlock& filters = filters_.filters(at);
-    if (filters.updates[at.lane] >= kLeastUpdates && is_inlier(motion, i)) {
+    if (filters.updates[at.lane] >= least_updates() && is_inlier(motion, i)) {
       standing_chi2_.push_back(filters.standing_chi2[at.lane]);
       learn_noise(tracks.camera, tracks.tracks[i], at);
     }
+  }
+  noise_.learn(standing_chi2_);
+  for (std::size_t i = 0; i < tracks.tracks.size(); ++i) {
+    const FilterSlot at = filters_.slot(i);
+    if (filters_.measurements(at).is_seen[at.lane] == 0.0) continue;
     PointSample point = sample(tracks.camera, at);
     point.track = i;
     if (point.moves) {
@@ -123,9 +130,13 @@ void FilterMethod::filter(const TrackSet& tracks, const Egomotion& motion) {
     }
     if (point.velocity_mps.allFinite() && std::isfinite(point.chi2)) points_.push_back(point);
   }
-  noise_.learn(standing_chi2_);
   noise_model_.learn(to_seconds(motion.exposure - motion.previous_exposure));
 }
+
+// Whether what rests is where it was due: else a single interval tells nothing.
+bool FilterMethod::rest_fits() const { return noise_.misfit() < kMostRestMisfit; }
+
+double FilterMethod::least_updates() const { return is_slow_ ? kOneInterval : kLeastUpdates; }
 
 // Where the point was due errs too, as the mean of what went before: variances grow by that share.
 void FilterMethod::learn_noise(const StereoCamera& camera, const Track& track, FilterSlot at) {
@@ -210,7 +221,7 @@ PointSample FilterMethod::sample(const StereoCamera& camera, FilterSlot at) cons
   point.motion_probability = logistic(evidence);
   point.moves = updates >= kLeastUpdates && evidence > kMovingEvidence &&
                 point.chi2 > kMovingChi2 && filters.misfit[lane] < kMostMisfit;
-  point.leaps = in_one_interval && evidence >= 0.0 && point.chi2 > kMovingChi2 &&
+  point.leaps = in_one_interval && rest_fits() && evidence >= 0.0 && point.chi2 > kMovingChi2 &&
                 filters.standing_chi2[lane] > kLeapChi2;
   // Alone it may as well be mismatched; that its neighbours agree tells.
   if (point.leaps) point.evidence = std::max(evidence, kMostPerPair);

@@ -32,6 +32,8 @@ class FilterMethod {
   void follow_rig(const Egomotion& motion);
   [[nodiscard]] MotionPrior prior() const;
   [[nodiscard]] FilterStep step_of(const StereoCamera& camera) const;
+  [[nodiscard]] double least_updates() const;
+  [[nodiscard]] bool rest_fits() const;
   void measure(const StereoCamera& camera, const Track& track, FilterSlot at);
   void learn_noise(const StereoCamera& camera, const Track& track, FilterSlot at);
   [[nodiscard]] PointSample sample(const StereoCamera& camera, FilterSlot at) const;

@@ -16,11 +16,12 @@ constexpr std::size_t kLeastPoints = 30;
 }  // namespace
 
 void NoiseScale::learn(std::vector<double>& chi2) {
+  misfit_ = std::numeric_limits<double>::infinity();
   if (chi2.size() < kLeastPoints) return;
   const auto middle = chi2.begin() + static_cast<std::ptrdiff_t>(chi2.size() / 2);
   std::nth_element(chi2.begin(), middle, chi2.end());
-  const double ratio = std::max(*middle / kMedianChi2, 0.1);
-  value_ = std::clamp(value_ * std::pow(ratio, kGain), kLeast, kMost);
+  misfit_ = *middle / kMedianChi2;
+  value_ = std::clamp(value_ * std::pow(std::max(misfit_, 0.1), kGain), kLeast, kMost);
 }
 
 }  // namespace egomod

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <vector>
 
 namespace egomod {
@@ -12,9 +13,12 @@ class NoiseScale {
   // Reorders `chi2`, which were whitened with covariances times `value()`.
   void learn(std::vector<double>& chi2);
   [[nodiscard]] double value() const { return value_; }
+  // Median of the last ones, 1 where they fit; infinite where too few were given.
+  [[nodiscard]] double misfit() const { return misfit_; }
 
  private:
   double value_ = 1.0;
+  double misfit_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace egomod
