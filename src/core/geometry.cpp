@@ -103,6 +103,21 @@ Eigen::Matrix3d triangulate_jacobian(const StereoCamera& camera, const Eigen::Ve
   return J;
 }
 
+Eigen::Vector3d row_displacement_per_s(const StereoCamera& camera, const Eigen::Vector3d& P_m,
+                                       const Vector6d& velocity) {
+  const double v_px = camera.fy_px * P_m.y() / P_m.z() + camera.cy_px;
+  const double rows_late = v_px / camera.height_px - 0.5;
+  const Eigen::Vector3d approach_mps = velocity.head<3>() + velocity.tail<3>().cross(P_m);
+  return project_jacobian(camera, P_m) * (-rows_late * approach_mps);
+}
+
+Eigen::Vector3d at_middle_row(const StereoCamera& camera, const Eigen::Vector3d& uvd_px,
+                              const RowTiming& rows) {
+  if (rows.readout_s == 0.0 || !(uvd_px.z() > 0.0)) return uvd_px;
+  const Eigen::Vector3d P = triangulate(camera, uvd_px);
+  return uvd_px - rows.readout_s * row_displacement_per_s(camera, P, rows.velocity);
+}
+
 Eigen::Vector3d uvd(const StereoObservation& o) { return {o.u_px, o.v_px, o.disparity_px}; }
 
 Eigen::Matrix3d covariance(const StereoObservation& o) {

@@ -26,6 +26,11 @@ constexpr double kLastingPerS = 1.75;
 constexpr double kLastingOfNew = 6.0;
 constexpr double kMostLasting = 4.0;
 constexpr std::size_t kTracksToStartAnew = 20;
+// Slower rigs show nothing of the rows.
+constexpr double kRestMps = 0.02;
+constexpr double kRestRadps = 0.01;
+constexpr int kMostSolutionsForRows = 5;
+constexpr double kSameVelocity = 2e-3;  // m/s or rad/s
 constexpr int kMaxAmbiguousQuality = 20;
 constexpr double kInliersOfFullQuality = 100.0;
 // Of the tracks: so many that are known to stand still, or without a map so many that move as one,
@@ -75,9 +80,11 @@ EstimateReason EgomotionEstimator::reason_to_start_anew(const TrackSet& tracks) 
 
 void EgomotionEstimator::follow(const TrackSet& tracks, Egomotion& motion) {
   advance_to(tracks, motion);
+  rows_ = {readout_.readout_s(), pair_velocity_.after(velocity_.y)};
   gather(tracks);
   if (is_cut_off(tracks)) return start_anew(EstimateReason::kReseeded, tracks, motion);
   Solution solution = solve(tracks);
+  account_for_rows(tracks, solution);
   assign_roles(tracks, solution, motion);
   const EstimateReason failure = judge(solution, motion);
   if (failure != EstimateReason::kNone) return fail(failure, tracks, motion);
@@ -141,6 +148,10 @@ void EgomotionEstimator::start_anew(EstimateReason reason, const TrackSet& track
   against_map_.setZero();
   to_other_pose_.setZero();
   rival_finder_.reset();
+  if (reason == EstimateReason::kRecalibrated) readout_ = {};
+  pair_velocity_.clear();
+  second_error_per_s_.setZero();
+  rows_ = {};
   map_.clear();
   map_.align(tracks.tracks, 0.0);
   map_.update(tracks.camera, tracks.tracks, pose_.T_first_current(), Matrix6d::Zero(),
@@ -167,7 +178,7 @@ void EgomotionEstimator::gather(const TrackSet& tracks) {
     if (!track.has_current || !usable(track.current)) continue;
     if (!find_past(tracks.camera, track, k, T_previous_first, c)) continue;
     c.track = k;
-    c.observed_px = uvd(track.current);
+    c.observed_px = at_middle_row(tracks.camera, uvd(track.current), rows_);
     c.covariance_observed_px2 = noise_scale_ * covariance(track.current);
     correspondences_.push_back(c);
   }
@@ -210,6 +221,43 @@ Solution EgomotionEstimator::solve(const TrackSet& tracks) {
                                tracks.sequence);
   return sigma_point_.solve(tracks.camera, correspondences_, velocity_, dt_s_, tracks.sequence,
                             min_inliers);
+}
+
+bool EgomotionEstimator::learns_readout() const {
+  const bool rests =
+      velocity_.y.head<3>().norm() < kRestMps && velocity_.y.tail<3>().norm() < kRestRadps;
+  const bool tells = readout_.readout_s() > 0.0 || !rests;
+  return config_.map && config_.method == EgomotionMethod::kGaussNewton && tells &&
+         !readout_.is_none();
+}
+
+// Where the rows' times displace points by the velocity that is only being found.
+void EgomotionEstimator::account_for_rows(const TrackSet& tracks, Solution& solution) {
+  if (rows_.readout_s == 0.0) return;
+  for (int k = 0; k < kMostSolutionsForRows && solution.failure == EstimateReason::kNone; ++k) {
+    const Vector6d before = rows_.velocity;
+    rows_.velocity = pair_velocity_.after(velocity_of(solution.T_previous_current, dt_s_));
+    if ((rows_.velocity - before).cwiseAbs().maxCoeff() < kSameVelocity) return;
+    gather(tracks);
+    solution =
+        gauss_newton_.solve_near(tracks.camera, correspondences_, solution.T_previous_current);
+  }
+}
+
+void EgomotionEstimator::learn_readout(const TrackSet& tracks, const Solution& solution) {
+  if (pair_velocity_.is_new())
+    map_.note_first_velocity(tracks.camera,
+                             pose_.T_first_current() * solution.T_previous_current.inverse(),
+                             velocity_.y);
+  readout_.learn(tracks.camera, correspondences_, distances2_, map_.points(),
+                 solution.T_previous_current, pose_.T_first_current(), rows_.velocity, dt_s_);
+  // Its error lasts: that of a second is the pairs' sum.
+  second_error_per_s_ =
+      std::exp(-dt_s_) * adjoint(solution.T_previous_current.inverse()) * second_error_per_s_ +
+      readout_.motion_error_per_s();
+  if (readout_.readout_s() > 0.0)
+    pose_.doubt(dt_s_ * readout_.variance_s2() * second_error_per_s_ *
+                second_error_per_s_.transpose());
 }
 
 bool EgomotionEstimator::is_inlier(const Eigen::Isometry3d& T_current_previous, std::size_t k,
@@ -323,9 +371,16 @@ void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution
   if (config_.map) against_map_ = solution.covariance;
   keep_velocity(motion);
   adapt_noise_scale();
+  if (motion.reason == EstimateReason::kHole) pair_velocity_.clear();
+  rows_.velocity = pair_velocity_.after(velocity_.y);
+  motion.rows = rows_;
+  const bool learns = learns_readout();
+  if (learns) learn_readout(tracks, solution);
+  pair_velocity_.keep(velocity_.y);
   if (config_.map)
     map_.update(tracks.camera, tracks.tracks, pose_.T_first_current(), solution.covariance,
-                noise_scale_, is_doubted);
+                noise_scale_, is_doubted, rows_, learns ? &readout_.motion_error_per_s() : nullptr);
+  if (learns) map_.change_readout(readout_.change_s());
   reference_exposure_ = tracks.exposure;
   wheels_prior_.keep(tracks, solution, dt_s_);
 }

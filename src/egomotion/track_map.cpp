@@ -23,6 +23,7 @@ struct Innovation {
   Eigen::Vector3d r;
   Eigen::Matrix3d H;
   Eigen::Matrix3d S;
+  Eigen::Vector3d row_error_per_s = Eigen::Vector3d::Zero();  // of r
 };
 
 struct View {
@@ -30,12 +31,21 @@ struct View {
   Eigen::Isometry3d T_first_current;
   Eigen::Isometry3d T_current_first;
   const Matrix6d& pose_covariance;
+  const RowTiming& rows;
+  const Vector6d* motion_error_per_s;
 };
 
 Eigen::Matrix<double, 3, 6> pose_jacobian_in_space(const Eigen::Vector3d& P_current_m) {
   Eigen::Matrix<double, 3, 6> J;
   J << Eigen::Matrix3d::Identity(), -skew(P_current_m);
   return J;
+}
+
+// Of a position in the current frame that is found from an observation.
+Eigen::Vector3d row_error_in_space_per_s(const StereoCamera& camera, const Eigen::Vector3d& P_m,
+                                         const Vector6d& velocity) {
+  return triangulate_jacobian(camera, project(camera, P_m)) *
+         row_displacement_per_s(camera, P_m, velocity);
 }
 
 // The observation as a position in the first frame, with the pose's uncertainty.
@@ -59,6 +69,12 @@ Innovation innovation_in_space(const View& view, const MapPoint& point, const Ei
   i.r = P - point.P_first_m;
   i.H.setIdentity();
   i.S += point.covariance_m2;
+  if (view.motion_error_per_s == nullptr) return i;
+  const Eigen::Vector3d P_current = triangulate(view.camera, z);
+  i.row_error_per_s = view.T_first_current.linear() *
+                          (row_error_in_space_per_s(view.camera, P_current, view.rows.velocity) +
+                           pose_jacobian_in_space(P_current) * *view.motion_error_per_s) -
+                      point.row_error_m_per_s;
   return i;
 }
 
@@ -72,6 +88,9 @@ Innovation innovation_in_image(const View& view, const MapPoint& point, const Ei
   i.H = project_jacobian(view.camera, P) * view.T_current_first.linear();
   i.S =
       R + i.H * point.covariance_m2 * i.H.transpose() + Jx * view.pose_covariance * Jx.transpose();
+  if (view.motion_error_per_s != nullptr)
+    i.row_error_per_s = row_displacement_per_s(view.camera, P, view.rows.velocity) -
+                        Jx * *view.motion_error_per_s - i.H * point.row_error_m_per_s;
   return i;
 }
 
@@ -82,6 +101,7 @@ void fuse(const TrackMapConfig& config, const Innovation& i, MapPoint& point) {
   const double cut = std::min(1.0, config.max_distance2 / std::max(distance2, 1e-12));
   const Eigen::Matrix3d K = cut * point.covariance_m2 * i.H.transpose() * S_inverse;
   point.P_first_m += K * i.r;
+  point.row_error_m_per_s += K * i.row_error_per_s;
   const Eigen::Matrix3d C = point.covariance_m2 - K * i.H * point.covariance_m2;
   point.covariance_m2 = 0.5 * (C + C.transpose());
   const bool fits = distance2 < kChi2Of3At99Percent;
@@ -114,13 +134,15 @@ void TrackMap::align(std::span<const Track> tracks, double dt_s) {
 
 void TrackMap::update(const StereoCamera& camera, std::span<const Track> tracks,
                       const Eigen::Isometry3d& T_first_current, const Matrix6d& pose_covariance,
-                      double noise_scale, bool is_doubted) {
-  const View view{camera, T_first_current, T_first_current.inverse(), pose_covariance};
+                      double noise_scale, bool is_doubted, const RowTiming& rows,
+                      const Vector6d* motion_error_per_s) {
+  const View view{camera, T_first_current,   T_first_current.inverse(), pose_covariance,
+                  rows,   motion_error_per_s};
   for (std::size_t k = 0; k < tracks.size(); ++k) {
     const Track& track = tracks[k];
     MapPoint& point = points_[k];
     if (!track.has_current || !usable(track.current)) continue;
-    const Eigen::Vector3d z = uvd(track.current);
+    const Eigen::Vector3d z = at_middle_row(camera, uvd(track.current), rows);
     const Eigen::Matrix3d R = noise_scale * covariance(track.current);
     if (point.updates > 0 && point.static_weight < config_.reset_below_weight) {
       point.updates = 0;
@@ -129,6 +151,9 @@ void TrackMap::update(const StereoCamera& camera, std::span<const Track> tracks,
     }
     if (point.updates == 0) {
       locate(view, z, R, point.P_first_m, point.covariance_m2);
+      point.row_error_m_per_s =
+          T_first_current.linear() *
+          row_error_in_space_per_s(camera, triangulate(camera, z), rows.velocity);
       point.updates = 1;
       continue;
     }
@@ -137,7 +162,26 @@ void TrackMap::update(const StereoCamera& camera, std::span<const Track> tracks,
     fuse(config_,
          young ? innovation_in_space(view, point, z, R) : innovation_in_image(view, point, z, R),
          point);
+    if (motion_error_per_s != nullptr)
+      point.row_error_m_per_s -=
+          T_first_current.linear() *
+          (pose_jacobian_in_space(view.T_current_first * point.P_first_m) * *motion_error_per_s);
   }
+}
+
+void TrackMap::note_first_velocity(const StereoCamera& camera,
+                                   const Eigen::Isometry3d& T_first_previous,
+                                   const Vector6d& velocity) {
+  const Eigen::Isometry3d T = T_first_previous.inverse();
+  for (MapPoint& point : points_)
+    if (point.updates == 1)
+      point.row_error_m_per_s = T_first_previous.linear() *
+                                row_error_in_space_per_s(camera, T * point.P_first_m, velocity);
+}
+
+void TrackMap::change_readout(double change_s) {
+  if (change_s == 0.0) return;
+  for (MapPoint& point : points_) point.P_first_m -= change_s * point.row_error_m_per_s;
 }
 
 }  // namespace egomod

@@ -105,7 +105,7 @@ void FilterMethod::filter(const TrackSet& tracks, const Egomotion& motion) {
   for (std::size_t i = 0; i < tracks.tracks.size(); ++i) {
     const Track& track = tracks.tracks[i];
     if (track.has_current && is_usable(tracks.camera, track.current, config_.max_depth_m))
-      measure(tracks.camera, track, filters_.slot(i));
+      measure(tracks.camera, motion.rows, track, filters_.slot(i));
   }
   filters_.step(step_of(tracks.camera));
   standing_chi2_.clear();
@@ -178,15 +178,15 @@ FilterStep FilterMethod::step_of(const StereoCamera& camera) const {
   return step;
 }
 
-void FilterMethod::measure(const StereoCamera& camera, const Track& track, FilterSlot at) {
+void FilterMethod::measure(const StereoCamera& camera, const RowTiming& rows, const Track& track,
+                           FilterSlot at) {
   const StereoObservation& seen = track.current;
   const auto& c = seen.covariance_px2;  // upper triangle
   MeasurementBlock& out = filters_.measurements(at);
   const auto set = [lane = at.lane](Lanes& lanes, double x) { lanes[lane] = x; };
   set(out.is_seen, 1.0);
-  set(out.uvd_px[0], seen.u_px);
-  set(out.uvd_px[1], seen.v_px);
-  set(out.uvd_px[2], seen.disparity_px);
+  const Eigen::Vector3d uvd_px = at_middle_row(camera, uvd(seen), rows);
+  for (std::size_t k = 0; k < 3; ++k) set(out.uvd_px[k], uvd_px[static_cast<Eigen::Index>(k)]);
   const double scale = noise_.value();
   const double floor_px2 = config_.noise_floor_px * config_.noise_floor_px;
   set(out.covariance_px2[0], scale * c[0] + floor_px2);

@@ -34,7 +34,8 @@ class FilterMethod {
   [[nodiscard]] FilterStep step_of(const StereoCamera& camera) const;
   [[nodiscard]] double least_updates() const;
   [[nodiscard]] bool rest_fits() const;
-  void measure(const StereoCamera& camera, const Track& track, FilterSlot at);
+  void measure(const StereoCamera& camera, const RowTiming& rows, const Track& track,
+               FilterSlot at);
   void learn_noise(const StereoCamera& camera, const Track& track, FilterSlot at);
   [[nodiscard]] PointSample sample(const StereoCamera& camera, FilterSlot at) const;
   void report_points(const TrackSet& tracks, std::vector<PointMotion>& points) const;

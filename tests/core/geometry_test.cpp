@@ -81,6 +81,20 @@ TEST(Geometry, JacobiansAgreeWithFiniteDifferences) {
   }
 }
 
+TEST(Geometry, ALateRowShowsWhatTheRigHasComeToMeanwhile) {
+  const Eigen::Vector3d P{0.7, -0.4, 5.2};
+  Vector6d velocity;
+  velocity << 0.3, -0.1, 0.8, 0.2, -0.5, 0.1;
+  constexpr double kReadoutS = 1e-3;
+  const Eigen::Vector3d z = project(kCamera, P);
+  const double late_s = kReadoutS * (z.y() / kCamera.height_px - 0.5);
+  const Eigen::Vector3d seen = project(kCamera, se3_exp(late_s * velocity).inverse() * P);
+  const Eigen::Vector3d expected = z + kReadoutS * row_displacement_per_s(kCamera, P, velocity);
+  EXPECT_LT((seen - expected).norm(), 1e-4);
+  EXPECT_LT((at_middle_row(kCamera, seen, {kReadoutS, velocity}) - z).norm(), 1e-3);
+  EXPECT_EQ(at_middle_row(kCamera, seen, {0.0, velocity}), seen);
+}
+
 TEST(Geometry, BodyFrameIsForwardLeftUp) {
   const Eigen::Isometry3d T_body_camera = default_T_body_camera();
   EXPECT_EQ(T_body_camera * Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(1, 0, 0));

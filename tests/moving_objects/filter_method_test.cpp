@@ -222,6 +222,42 @@ TEST_F(Filter, WhatStartsAfterOneSecondOfRestIsFoundAtOnce) {
   EXPECT_LT(error_mps.dot(object.velocity_covariance_m2ps2.ldlt().solve(error_mps)), 11.34);
 }
 
+// Of a box's velocity, by what the rows of a rolling shutter show of it.
+double velocity_error_mps(bool told) {
+  World world;
+  world.rig_yaw_rate_radps = 0.4;
+  world.add_background(200);
+  world.add_box(20, {0.3, 1.2, 4.0}, {0.6, 0.5, 0.3}, {0.4, 0.0, 0.0});
+  Vector6d velocity;
+  velocity << world.rig_velocity_mps, 0.0, -world.rig_yaw_rate_radps, 0.0;
+  const RowTiming rows{0.025, velocity};
+  MovingObjectDetector detector{{.method = MovingObjectsMethod::kFilter}};
+  MovingObjects objects;
+  for (int pair = 0; pair < 20; ++pair) {
+    TrackSet tracks = world.tracks(pair);
+    for (Track& track : tracks.tracks) {
+      const Eigen::Vector3d P = triangulate(tracks.camera, uvd(track.current));
+      const Eigen::Vector3d by =
+          rows.readout_s * row_displacement_per_s(tracks.camera, P, rows.velocity);
+      track.current.u_px += static_cast<float>(by.x());
+      track.current.v_px += static_cast<float>(by.y());
+      track.current.disparity_px += static_cast<float>(by.z());
+    }
+    Egomotion motion = world.motion(tracks, pair);
+    if (told) motion.rows = rows;
+    detector.detect(tracks, motion, objects);
+  }
+  if (objects.objects.size() != 1) return 1000.0;
+  const Eigen::Vector3d truth = world.velocity_in_camera(world.points.size() - 1, 19);
+  return (objects.objects[0].velocity_mps - truth).norm();
+}
+
+TEST_F(Filter, RowsAreSeenAsOfTheMiddleOne) {
+  const double told = velocity_error_mps(true);
+  EXPECT_LT(told, 0.02);
+  EXPECT_LT(2 * told, velocity_error_mps(false));
+}
+
 TEST_F(Filter, AmbiguousMotionConfirmsNothing) {
   world.add_background(300);
   world.add_box(40, {-0.5, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.5, 0.0, 0.0});

@@ -41,6 +41,12 @@ enum class TrackRole : std::uint8_t {
   kOutlier,  // not explained: mover or mismatch
 };
 
+// When a rolling shutter exposes its rows: a pair's time is the middle row's.
+struct RowTiming {
+  double readout_s = 0.0;                // from the first row to the last
+  Vector6d velocity = Vector6d::Zero();  // of the rig at the middle row: m/s and rad/s, its axes
+};
+
 // How the rig moved between the previous and the current pair. All frames are left camera frames.
 // Covariances: order translation (m), rotation (rad); right perturbation T = T_estimate * Exp(xi).
 struct Egomotion {
@@ -53,6 +59,7 @@ struct Egomotion {
   int inliers = 0;
   std::uint32_t reset_count = 0;
   double residual_px = 0.0;  // robust scale of the inliers' reprojection error
+  RowTiming rows;
 
   Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
   Matrix6d covariance_previous_current = Matrix6d::Zero();

@@ -36,6 +36,14 @@ namespace egomod {
 [[nodiscard]] Eigen::Matrix3d triangulate_jacobian(const StereoCamera& camera,
                                                    const Eigen::Vector3d& uvd_px);
 
+// What a point's (u, v, disparity) are displaced by in px per second of readout, and an observation
+// as it would be at the middle row's time.
+[[nodiscard]] Eigen::Vector3d row_displacement_per_s(const StereoCamera& camera,
+                                                     const Eigen::Vector3d& P_m,
+                                                     const Vector6d& velocity);
+[[nodiscard]] Eigen::Vector3d at_middle_row(const StereoCamera& camera,
+                                            const Eigen::Vector3d& uvd_px, const RowTiming& rows);
+
 [[nodiscard]] Eigen::Vector3d uvd(const StereoObservation& observation);
 [[nodiscard]] Eigen::Matrix3d covariance(const StereoObservation& observation);
 

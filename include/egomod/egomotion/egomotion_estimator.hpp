@@ -12,6 +12,7 @@
 #include "egomod/egomotion/gauss_newton_solver.hpp"
 #include "egomod/egomotion/interval_watch.hpp"
 #include "egomod/egomotion/pose_accumulator.hpp"
+#include "egomod/egomotion/readout.hpp"
 #include "egomod/egomotion/rival_finder.hpp"
 #include "egomod/egomotion/sigma_point_solver.hpp"
 #include "egomod/egomotion/solution.hpp"
@@ -70,6 +71,9 @@ class EgomotionEstimator {
   [[nodiscard]] bool find_past(const StereoCamera& camera, const Track& track, std::size_t index,
                                const Eigen::Isometry3d& T_previous_first, Correspondence& c) const;
   [[nodiscard]] Solution solve(const TrackSet& tracks);
+  [[nodiscard]] bool learns_readout() const;
+  void account_for_rows(const TrackSet& tracks, Solution& solution);
+  void learn_readout(const TrackSet& tracks, const Solution& solution);
   void assign_roles(const TrackSet& tracks, const Solution& solution, Egomotion& motion);
   [[nodiscard]] bool is_inlier(const Eigen::Isometry3d& T_current_previous, std::size_t k,
                                const StereoCamera& camera) const;
@@ -96,6 +100,11 @@ class EgomotionEstimator {
   WheelsPrior wheels_prior_;
   std::optional<WheelsMotion> wheels_;  // of this pair
   TrackMap map_;
+  ReadoutLearner readout_;
+  PairVelocity pair_velocity_;
+  RowTiming rows_;  // of this pair
+  // What a second of readout puts the motion of the last second or so off by.
+  Vector6d second_error_per_s_ = Vector6d::Zero();
   PoseAccumulator pose_;
   // Of the last pose against the map: white, and part of the next motion's error. Zero without map.
   Matrix6d against_map_ = Matrix6d::Zero();

@@ -11,6 +11,7 @@
 #include "egomod/core/calibration.hpp"
 #include "egomod/core/egomotion.hpp"
 #include "egomod/core/track_set.hpp"
+#include "egomod/egomotion/readout.hpp"
 
 namespace egomod {
 
@@ -30,6 +31,8 @@ struct MapPoint {
   Eigen::Vector3d P_first_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();
   double static_weight = 1.0;
+  // What a second of readout that is not accounted for puts it off by, seen from the last pose.
+  Eigen::Vector3d row_error_m_per_s = Eigen::Vector3d::Zero();
 };
 
 // How surely a point is known to stand still, 0 to 1.
@@ -52,10 +55,17 @@ class TrackMap {
 
   // Fuses what the current pair sees from the given pose. `pose_covariance`: right perturbation.
   // `noise_scale` multiplies the observations' covariance. `is_doubted`: that the points stand
-  // still is not known from this pair.
+  // still is not known from this pair. `motion_error_per_s`: see ReadoutLearner,
+  // nullptr when the readout is not to be learnt.
   void update(const StereoCamera& camera, std::span<const Track> tracks,
               const Eigen::Isometry3d& T_first_current, const Matrix6d& pose_covariance,
-              double noise_scale, bool is_doubted = false);
+              double noise_scale, bool is_doubted = false, const RowTiming& rows = {},
+              const Vector6d* motion_error_per_s = nullptr);
+  // Points of the map's first pair were seen when no velocity was known yet: it was this one.
+  void note_first_velocity(const StereoCamera& camera, const Eigen::Isometry3d& T_first_previous,
+                           const Vector6d& velocity);
+  // The readout that is accounted for has changed.
+  void change_readout(double change_s);
 
  private:
   TrackMapConfig config_;
