@@ -196,7 +196,7 @@ void FilterMethod::measure(const StereoCamera& camera, const RowTiming& rows, co
   set(out.covariance_px2[4], scale * c[4]);
   set(out.covariance_px2[5], scale * c[5] + floor_px2);
   set(out.reanchored_px, track.reanchored ? kReanchor_px : 0.0);
-  trails_.add(place_of(at), rig_.T_first_current * triangulate(camera, uvd(seen)),
+  trails_.add(place_of(at), rig_.T_first_current * triangulate(camera, uvd_px),
               filters_.filters(at).updates[at.lane] == 0.0);
 }
 
