@@ -64,6 +64,7 @@ FilterMethod::FilterMethod(const MovingObjectsConfig& config)
                         .confirm_pairs = kConfirmPairs,
                         .long_interval_s = kLongInterval_s}) {
   points_.reserve(kReservedTracks);
+  recent_.reserve(kReservedTracks);
   standing_chi2_.reserve(kReservedTracks);
 }
 
@@ -102,6 +103,7 @@ void FilterMethod::filter(const TrackSet& tracks, const Egomotion& motion) {
   rig_ = RigPose(motion);
   trails_.begin(now_, anew);
   filters_.align(tracks.tracks);
+  recent_.resize(tracks.tracks.size());
   for (std::size_t i = 0; i < tracks.tracks.size(); ++i) {
     const Track& track = tracks.tracks[i];
     if (track.has_current && is_usable(tracks.camera, track.current, config_.max_depth_m))
@@ -122,11 +124,12 @@ void FilterMethod::filter(const TrackSet& tracks, const Egomotion& motion) {
   for (std::size_t i = 0; i < tracks.tracks.size(); ++i) {
     const FilterSlot at = filters_.slot(i);
     if (filters_.measurements(at).is_seen[at.lane] == 0.0) continue;
-    PointSample point = sample(tracks.camera, at);
+    PointSample point = sample(at);
     point.track = i;
     if (point.moves) {
       const auto& c = tracks.tracks[i].current.covariance_px2;
       point.weak_axis = weak_axis(c[0], c[1], c[3]);
+      recall(tracks.camera, at, point);
     }
     if (point.velocity_mps.allFinite() && std::isfinite(point.chi2)) points_.push_back(point);
   }
@@ -200,7 +203,7 @@ void FilterMethod::measure(const StereoCamera& camera, const RowTiming& rows, co
               filters_.filters(at).updates[at.lane] == 0.0);
 }
 
-PointSample FilterMethod::sample(const StereoCamera& camera, FilterSlot at) const {
+PointSample FilterMethod::sample(FilterSlot at) const {
   const std::size_t lane = at.lane;
   const FilterBlock& filters = filters_.filters(at);
   const PointBlock& points = filters_.points(at);
@@ -228,13 +231,17 @@ PointSample FilterMethod::sample(const StereoCamera& camera, FilterSlot at) cons
   point.moves = point.moves || point.leaps;
   point.stands = (updates >= kLeastUpdates || in_one_interval) && evidence < 0.0;
   point.pixel_px = {filters.uvd_px[0][lane], filters.uvd_px[1][lane]};
-  if (point.moves) {
-    point.recent = trails_.velocities(place_of(at), rig_.T_current_first.linear());
-    const Eigen::Matrix3d J = triangulate_jacobian(camera, vector_of(filters.uvd_px, lane));
-    point.recent.position_covariance_m2 =
-        J * matrix_of(filters_.measurements(at).covariance_px2, lane) * J.transpose();
-  }
   return point;
+}
+
+void FilterMethod::recall(const StereoCamera& camera, FilterSlot at, PointSample& point) {
+  RecentVelocities& recent = recent_[point.track];
+  recent = trails_.velocities(place_of(at), rig_.T_current_first.linear());
+  const Eigen::Matrix3d J =
+      triangulate_jacobian(camera, vector_of(filters_.filters(at).uvd_px, at.lane));
+  recent.position_covariance_m2 =
+      J * matrix_of(filters_.measurements(at).covariance_px2, at.lane) * J.transpose();
+  point.recent = &recent;
 }
 
 PointState FilterMethod::state_of(const PointSample& point) const {

@@ -37,7 +37,9 @@ class FilterMethod {
   void measure(const StereoCamera& camera, const RowTiming& rows, const Track& track,
                FilterSlot at);
   void learn_noise(const StereoCamera& camera, const Track& track, FilterSlot at);
-  [[nodiscard]] PointSample sample(const StereoCamera& camera, FilterSlot at) const;
+  [[nodiscard]] PointSample sample(FilterSlot at) const;
+  // How it went over its last pairs.
+  void recall(const StereoCamera& camera, FilterSlot at, PointSample& point);
   void report_points(const TrackSet& tracks, std::vector<PointMotion>& points) const;
   [[nodiscard]] PointState state_of(const PointSample& point) const;
 
@@ -51,6 +53,7 @@ class FilterMethod {
   Eigen::Vector3d rig_velocity_mps_ = Eigen::Vector3d::Zero();  // smoothed, current camera axes
   int rig_pairs_ = 0;                                           // in it
   std::vector<PointSample> points_;
+  std::vector<RecentVelocities> recent_;  // parallel to TrackSet::tracks; of moving points only
   std::vector<double> standing_chi2_;
   NoiseScale noise_;
   NoiseModel noise_model_;

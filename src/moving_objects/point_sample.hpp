@@ -43,10 +43,10 @@ struct PointSample {
   Eigen::Matrix3d position_covariance_m2 = Eigen::Matrix3d::Zero();
   Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();  // relative to the static world
   Eigen::Matrix3d velocity_covariance_m2ps2 = Eigen::Matrix3d::Zero();
-  RecentVelocities recent;  // of what moves
-  double learnt_s = 0.0;    // for how long that has been learnt, of what moves; 0: since it stood
-  bool stood = false;       // when it began to be
-  double chi2 = 0.0;        // of the displacement under "static", 3 degrees of freedom
+  const RecentVelocities* recent = nullptr;  // of what moves; lives as long as this pair
+  double learnt_s = 0.0;  // for how long that has been learnt, of what moves; 0: since it stood
+  bool stood = false;     // when it began to be
+  double chi2 = 0.0;      // of the displacement under "static", 3 degrees of freedom
   double motion_probability = 0.0;
   double evidence = 0.0;  // log likelihood ratio, moving over static
   bool moves = false;

@@ -30,14 +30,14 @@ Window mean_over(std::size_t k, std::span<const PointSample> points, Members mem
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
   double span_s = 0.0;
   for (const auto i : members) {
-    const RecentVelocities& recent = points[i].recent;
-    if (recent.count <= k) continue;
-    const RecentVelocities::Window& own = recent.windows[k];
+    const RecentVelocities* recent = points[i].recent;
+    if (recent == nullptr || recent->count <= k) continue;
+    const RecentVelocities::Window& own = recent->windows[k];
     const Eigen::Vector3d velocity_mps =
         own.velocity_mps - body.angular_velocity_radps.cross(points[i].position_m - at_m);
     window.velocity_mps += velocity_mps;
     squares += velocity_mps * velocity_mps.transpose();
-    noise += own.gain_hz2 * recent.position_covariance_m2;
+    noise += own.gain_hz2 * recent->position_covariance_m2;
     span_s = own.span_s;
     ++window.count;
   }

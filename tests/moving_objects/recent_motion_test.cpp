@@ -14,33 +14,44 @@ namespace {
 const Eigen::Vector3d kAt_m{0.3, 0.1, 5.0};
 const Eigen::Vector3d kNow_mps{0.0, 0.0, 0.4};
 
+struct Points {
+  std::vector<RecentVelocities> recent;
+  std::vector<PointSample> samples;
+};
+
 // Points whose windows say `velocity_of(window)`, with the noise that they say.
 template <typename Field>
-std::vector<PointSample> points_of(int count, const Field& velocity_of, double sigma_m = 0.01) {
+Points points_of(int count, const Field& velocity_of, double sigma_m = 0.01) {
   std::mt19937 random(1);
   std::normal_distribution<double> noise;
-  std::vector<PointSample> points(static_cast<std::size_t>(count));
-  for (PointSample& point : points) {
+  Points points;
+  points.recent.resize(static_cast<std::size_t>(count));
+  points.samples.resize(points.recent.size());
+  for (std::size_t i = 0; i < points.samples.size(); ++i) {
+    PointSample& point = points.samples[i];
+    RecentVelocities& recent = points.recent[i];
+    point.recent = &recent;
     point.position_m = kAt_m + 0.3 * Eigen::Vector3d(noise(random), noise(random), 0.0);
-    point.recent.position_covariance_m2 = sigma_m * sigma_m * Eigen::Matrix3d::Identity();
+    recent.position_covariance_m2 = sigma_m * sigma_m * Eigen::Matrix3d::Identity();
     for (std::size_t k = 0; k < kRecentPairs.size(); ++k) {
       const auto n = static_cast<double>(kRecentPairs[k]);
       const double gain_hz2 = 900.0 * 12.0 / (n * (n * n - 1.0));
       const double sigma_mps = std::sqrt(gain_hz2) * sigma_m;
       const Eigen::Vector3d error{noise(random), noise(random), noise(random)};
-      point.recent.windows[k] = {velocity_of(k, point.position_m) + sigma_mps * error, gain_hz2,
-                                 (n - 1.0) / 30.0};
+      recent.windows[k] = {velocity_of(k, point.position_m) + sigma_mps * error, gain_hz2,
+                           (n - 1.0) / 30.0};
     }
-    point.recent.count = kRecentPairs.size();
+    recent.count = kRecentPairs.size();
   }
   return points;
 }
 
-RecentMotion fit(const std::vector<PointSample>& points, const Eigen::Vector3d& velocity_mps,
+RecentMotion fit(const Points& points, const Eigen::Vector3d& velocity_mps,
                  const BodyMotion& body = {}) {
-  std::vector<Grouper::Index> members(points.size());
+  std::vector<Grouper::Index> members(points.samples.size());
   std::iota(members.begin(), members.end(), Grouper::Index{0});
-  return fit_recent_motion(points, members, body, kAt_m, velocity_mps, Eigen::Matrix3d::Zero());
+  return fit_recent_motion(points.samples, members, body, kAt_m, velocity_mps,
+                           Eigen::Matrix3d::Zero());
 }
 
 TEST(RecentMotion, LeavesAVelocityThatIsRight) {
