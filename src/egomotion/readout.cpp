@@ -16,8 +16,8 @@ namespace {
 // Wide: before the readout is known, the rows that tell it most look like outliers.
 constexpr double kMaxDistance2 = 50.0;
 constexpr double kKernel = 24.0;
-constexpr std::size_t kStride = 3;  // a third of the points tell enough
-constexpr double kTrusted = 0.5;    // static weight
+constexpr std::size_t kStride = 3;      // a third of the points tell enough
+constexpr double kTrustedWeight = 0.5;  // static weight
 constexpr double kPriorSigmaS = 0.01;
 // What was learnt while little was known fades: memory grows with the time that has been learnt
 // from.
@@ -63,7 +63,8 @@ void ReadoutLearner::learn(const StereoCamera& camera,
   for (std::size_t k = 0; k < correspondences.size(); k += kStride) {
     const Correspondence& c = correspondences[k];
     const Eigen::Vector3d P = T * c.P_previous_m;
-    if (distances2[k] > kMaxDistance2 || c.static_weight < kTrusted || P.z() < kMinDepthM) continue;
+    if (distances2[k] > kMaxDistance2 || c.static_weight < kTrustedWeight || P.z() < kMinDepthM)
+      continue;
     const Eigen::Matrix<double, 3, 6> J = motion_jacobian(camera, P);
     const Eigen::Matrix3d H = project_jacobian(camera, P);
     const Eigen::Matrix3d H_previous = H * T.linear();
