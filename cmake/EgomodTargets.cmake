@@ -72,6 +72,7 @@ function(egomod_test)
   if(EGOMOD_SANITIZE)  # instrumented code runs up to twenty times slower
     math(EXPR arg_TIMEOUT "5 * ${arg_TIMEOUT}")
   endif()
+  set(environment)
   if(EGOMOD_SANITIZE MATCHES "thread")
     set(environment ENVIRONMENT "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/thread_sanitizer.supp")
   endif()

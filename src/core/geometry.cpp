@@ -113,7 +113,7 @@ Eigen::Vector3d row_displacement_per_s(const StereoCamera& camera, const Eigen::
 
 Eigen::Vector3d at_middle_row(const StereoCamera& camera, const Eigen::Vector3d& uvd_px,
                               const RowTiming& rows) {
-  if (rows.readout_s == 0.0 || !(uvd_px.z() > 0.0)) return uvd_px;
+  if (rows.readout_s == 0.0 || !(uvd_px.z() > 0.0) || camera.height_px <= 0) return uvd_px;
   const Eigen::Vector3d P = triangulate(camera, uvd_px);
   return uvd_px - rows.readout_s * row_displacement_per_s(camera, P, rows.velocity);
 }

@@ -80,6 +80,7 @@ EstimateReason EgomotionEstimator::reason_to_start_anew(const TrackSet& tracks) 
 
 void EgomotionEstimator::follow(const TrackSet& tracks, Egomotion& motion) {
   advance_to(tracks, motion);
+  if (after_hole_) pair_velocity_.clear();
   rows_ = {readout_.readout_s(), pair_velocity_.after(velocity_.y)};
   gather(tracks);
   if (is_cut_off(tracks)) return start_anew(EstimateReason::kReseeded, tracks, motion);
@@ -92,7 +93,7 @@ void EgomotionEstimator::follow(const TrackSet& tracks, Egomotion& motion) {
   Solution other;
   const bool has_rival = weigh_rival(tracks, solution, other, motion);
   const bool contradicted = wheels_contradict(solution, motion);
-  accept(tracks, solution, contradicted, motion);
+  accept(tracks, solution, has_rival, contradicted, motion);
   if (has_rival) {
     doubt(other, EstimateReason::kMoverDominates, motion);
   } else if (contradicted) {
@@ -148,8 +149,10 @@ void EgomotionEstimator::start_anew(EstimateReason reason, const TrackSet& track
   against_map_.setZero();
   to_other_pose_.setZero();
   rival_finder_.reset();
-  if (reason == EstimateReason::kRecalibrated) readout_ = {};
+  // The new map's first points come before any velocity is known to take their rows to one time.
+  if (reason == EstimateReason::kRecalibrated || readout_.readout_s() > 0.0) readout_ = {};
   pair_velocity_.clear();
+  is_first_motion_ = true;
   second_error_per_s_.setZero();
   rows_ = {};
   map_.clear();
@@ -223,10 +226,12 @@ Solution EgomotionEstimator::solve(const TrackSet& tracks) {
                             min_inliers);
 }
 
+bool EgomotionEstimator::rests() const {
+  return velocity_.y.head<3>().norm() < kRestMps && velocity_.y.tail<3>().norm() < kRestRadps;
+}
+
 bool EgomotionEstimator::learns_readout() const {
-  const bool rests =
-      velocity_.y.head<3>().norm() < kRestMps && velocity_.y.tail<3>().norm() < kRestRadps;
-  const bool tells = readout_.readout_s() > 0.0 || !rests;
+  const bool tells = readout_.readout_s() > 0.0 || !rests();
   return config_.map && config_.method == EgomotionMethod::kGaussNewton && tells &&
          !readout_.is_none();
 }
@@ -244,13 +249,15 @@ void EgomotionEstimator::account_for_rows(const TrackSet& tracks, Solution& solu
   }
 }
 
-void EgomotionEstimator::learn_readout(const TrackSet& tracks, const Solution& solution) {
-  if (pair_velocity_.is_new())
+void EgomotionEstimator::learn_readout(const TrackSet& tracks, const Solution& solution,
+                                       bool is_told) {
+  if (is_first_motion_)
     map_.note_first_velocity(tracks.camera,
                              pose_.T_first_current() * solution.T_previous_current.inverse(),
                              velocity_.y);
   readout_.learn(tracks.camera, correspondences_, distances2_, map_.points(),
-                 solution.T_previous_current, pose_.T_first_current(), rows_.velocity, dt_s_);
+                 solution.T_previous_current, pose_.T_first_current(), rows_.velocity, dt_s_,
+                 is_told);
   // Its error lasts: that of a second is the pairs' sum.
   second_error_per_s_ =
       std::exp(-dt_s_) * adjoint(solution.T_previous_current.inverse()) * second_error_per_s_ +
@@ -351,8 +358,8 @@ void EgomotionEstimator::doubt(const Solution& other, EstimateReason reason, Ego
               other.covariance);
 }
 
-void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution, bool is_doubted,
-                                Egomotion& motion) {
+void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution, bool has_rival,
+                                bool contradicted, Egomotion& motion) {
   motion.status = EstimateStatus::kValid;
   contradicted_pairs_ = 0;
   ++explained_pairs_;
@@ -371,15 +378,16 @@ void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution
   if (config_.map) against_map_ = solution.covariance;
   keep_velocity(motion);
   adapt_noise_scale();
-  if (motion.reason == EstimateReason::kHole) pair_velocity_.clear();
   rows_.velocity = pair_velocity_.after(velocity_.y);
   motion.rows = rows_;
   const bool learns = learns_readout();
-  if (learns) learn_readout(tracks, solution);
+  if (learns) learn_readout(tracks, solution, !rests() && !has_rival && !contradicted);
   pair_velocity_.keep(velocity_.y);
+  is_first_motion_ = false;
   if (config_.map)
     map_.update(tracks.camera, tracks.tracks, pose_.T_first_current(), solution.covariance,
-                noise_scale_, is_doubted, rows_, learns ? &readout_.motion_error_per_s() : nullptr);
+                noise_scale_, contradicted, rows_,
+                learns ? &readout_.motion_error_per_s() : nullptr);
   if (learns) map_.change_readout(readout_.change_s());
   reference_exposure_ = tracks.exposure;
   wheels_prior_.keep(tracks, solution, dt_s_);
@@ -399,6 +407,7 @@ void EgomotionEstimator::keep_velocity(const Egomotion& motion) {
 void EgomotionEstimator::fail(EstimateReason reason, const TrackSet& tracks, Egomotion& motion) {
   motion.status = EstimateStatus::kFailed;
   motion.reason = reason;
+  pair_velocity_.clear();
   motion.covariance_previous_current =
       diagonal_covariance(config_.reset_translation_sigma_m, config_.reset_rotation_sigma_rad);
   is_lost_ = is_lost_ || tracks.discontinuity;

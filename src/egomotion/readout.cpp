@@ -52,7 +52,7 @@ void ReadoutLearner::learn(const StereoCamera& camera,
                            std::span<const double> distances2, std::span<const MapPoint> map,
                            const Eigen::Isometry3d& T_previous_current,
                            const Eigen::Isometry3d& T_first_current, const Vector6d& velocity,
-                           double dt_s) {
+                           double dt_s, bool is_told) {
   const Eigen::Isometry3d T = T_previous_current.inverse();
   const Eigen::Matrix3d R_current_first = T_first_current.linear().transpose();
   Matrix6d A = Matrix6d::Zero();
@@ -85,12 +85,13 @@ void ReadoutLearner::learn(const StereoCamera& camera,
   }
   const Eigen::LDLT<Matrix6d> ldlt(A);
   motion_error_per_s_ = ldlt.solve(coupling);
-  const double information = own - coupling.dot(motion_error_per_s_);
-  if (ldlt.info() != Eigen::Success || !std::isfinite(information)) {
+  const double information = std::max(0.0, own - coupling.dot(motion_error_per_s_));
+  change_s_ = 0.0;
+  if (ldlt.info() != Eigen::Success || !motion_error_per_s_.allFinite()) {
     motion_error_per_s_.setZero();
-    change_s_ = 0.0;
     return;
   }
+  if (!is_told) return;
   age_s_ += dt_s;
   const double keep =
       std::exp(-dt_s / std::clamp(kMemoryShare * age_s_, kLeastMemoryS, kMostMemoryS));

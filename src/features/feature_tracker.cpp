@@ -143,6 +143,7 @@ class FeatureTracker::Implementation {
   bool restarted_ = false;
   Nanoseconds last_exposure_{0};
   double last_interval_s_ = 0.0;
+  bool is_slow_ = false;  // pairs are far apart
 };
 
 void FeatureTracker::Implementation::track(const StereoPair& pair, TrackSet& tracks) {
@@ -179,6 +180,10 @@ float FeatureTracker::Implementation::next_interval_ratio(Nanoseconds exposure) 
   const double interval_s = to_seconds(exposure - last_exposure_);
   const double ratio =
       interval_s > 0.0 && last_interval_s_ > 0.0 ? interval_s / last_interval_s_ : 1.0;
+  // A long interval after a short one is a hole: there is no more time for its pair than for
+  // others.
+  is_slow_ = interval_s > kLongInterval_s &&
+             (last_interval_s_ == 0.0 || last_interval_s_ > kLongInterval_s);
   last_interval_s_ = first_ ? 0.0 : interval_s;
   return static_cast<float>(std::clamp(ratio, 0.1, 10.0));
 }
@@ -227,8 +232,7 @@ void FeatureTracker::Implementation::follow() {
   if (bridging) bridge();
   temporal.give_up_young_loners(rig_motion_, store_);
   if (!bridging)
-    workers_->movers.find_lost(previous(), current(), rig_motion_,
-                               last_interval_s_ > kLongInterval_s, temporal, store_);
+    workers_->movers.find_lost(previous(), current(), rig_motion_, is_slow_, temporal, store_);
   TemporalAlignment::remember_resting(rig_motion_, store_);
 }
 

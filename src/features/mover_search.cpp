@@ -23,6 +23,7 @@ constexpr int kWideRadius_px = PatchSearch::kMaxRadius_px;  // at kLevel: 128 px
 constexpr int kRefineRadius_px = 4;                         // at half resolution
 constexpr float kMinNcc = 0.8F;
 constexpr float kMinLead = 0.03F;  // over the second best place
+constexpr int kSamePeak_px = 2;    // at kLevel, in two windows
 // Flows are shared within this, absolute (whole pixels of kLevel) or by share of their length.
 constexpr float kSharedFlow_px = 6.0F;
 constexpr float kSharedFlowShare = 0.08F;
@@ -138,8 +139,11 @@ PatchSearchResult MoverSearch::widest_search(const ImageView& image, const Searc
     beside.u_px += step_px;
     PatchSearchResult other = search_.search(image, patch, beside, kWideRadius_px);
     if (!other.found) continue;
+    const bool is_same =
+        std::max(std::abs(other.top_left.u_px - best.top_left.u_px),
+                 std::abs(other.top_left.v_px - best.top_left.v_px)) <= kSamePeak_px;
     if (other.ncc > best.ncc) std::swap(other, best);
-    best.second_ncc = std::max(best.second_ncc, other.ncc);
+    best.second_ncc = std::max(best.second_ncc, is_same ? other.second_ncc : other.ncc);
   }
   return best;
 }

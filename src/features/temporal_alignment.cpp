@@ -34,7 +34,7 @@ constexpr float kMaxGrowth = 1.3F;            // a pair
 // Seen elsewhere, a point's NCC must be that much better there than at rest; an old one, which has
 // rested so far, may be that much worse.
 constexpr float kYoungMargin = 0.05F;
-constexpr float kOldMargin = -0.02F;
+constexpr float kOldMargin = -0.02F;  // rest must win by that
 
 // Of the half-resolution search. Constant motion errs by a few pixels; a new point's may be new.
 constexpr int kSearchLevel = 1;

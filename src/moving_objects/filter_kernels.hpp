@@ -11,8 +11,6 @@ inline constexpr std::size_t kFilterLanes = 4;
 inline constexpr double kLeastEvidence = -6.0;
 inline constexpr double kMostEvidence = 25.0;
 inline constexpr double kMostPerPair = 6.0;  // evidence: no single measurement convinces
-// From here on a displacement between two pairs shows motion by itself.
-inline constexpr double kLongInterval_s = 0.15;
 
 // Symmetric 3x3 matrices are their lower triangle, row by row.
 using Lanes = double[kFilterLanes];
@@ -81,6 +79,7 @@ struct FilterStep {
   double disparity_bias_px, flow_error_share, walk_px;
   MotionPrior prior;
   std::int64_t now_ns;
+  bool is_slow;  // pairs are so far apart that one displacement shows motion by itself
 };
 
 struct FilterKernels {

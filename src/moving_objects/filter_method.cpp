@@ -14,8 +14,10 @@ constexpr double kMovingChi2 = 11.34;    // 99 %, 3 dof: its velocity against re
 constexpr double kMostMisfit = 8.0;      // of a point that may speak for motion
 constexpr double kLeastUpdates = 3;      // the first two of them fix position and velocity
 constexpr double kOneInterval = 2;       // updates
-constexpr double kMostRestMisfit = 1.0;  // usual are 0.2 to 0.5
-constexpr double kLeapChi2 = 16.27;      // 99.9 %, 3 dof: a single displacement against rest
+constexpr double kMostRestMisfit = 1.5;  // 1 is what the noise is scaled to
+// From here on a displacement between two pairs shows motion by itself.
+constexpr double kLongInterval_s = 0.15;
+constexpr double kLeapChi2 = 16.27;  // 99.9 %, 3 dof: a single displacement against rest
 constexpr int kConfirmPairs = 2;
 constexpr double kRigMemory_s = 0.15;  // one pair at a high rate tells little about the speed
 constexpr double kReanchor_px = 0.2;   // a renewed template may step
@@ -61,8 +63,7 @@ FilterMethod::FilterMethod(const MovingObjectsConfig& config)
       groups_(config),
       objects_(config, {.min_evidence = config.min_evidence,
                         .confirm_evidence = config.confirm_evidence,
-                        .confirm_pairs = kConfirmPairs,
-                        .long_interval_s = kLongInterval_s}) {
+                        .confirm_pairs = kConfirmPairs}) {
   points_.reserve(kReservedTracks);
   recent_.reserve(kReservedTracks);
   standing_chi2_.reserve(kReservedTracks);
@@ -80,10 +81,10 @@ void FilterMethod::detect(const TrackSet& tracks, const Egomotion& motion, Movin
   if (is_comparable(motion)) {
     filter(tracks, motion);
     objects_.associate(tracks.camera, points_, groups_,
-                       groups_.find(tracks.camera, points_, rig_velocity_mps_));
+                       groups_.find(tracks.camera, points_, rig_velocity_mps_), is_slow_);
   }
   objects_.update(tracks.camera, points_,
-                  motion.status == EstimateStatus::kValid && (!is_slow_ || rest_fits()));
+                  motion.status == EstimateStatus::kValid && (!is_slow_ || !rest_is_off()));
   objects_.report(objects.objects);
   report_points(tracks, objects.points);
   noise_model_.report(objects.noise);
@@ -98,7 +99,7 @@ void FilterMethod::filter(const TrackSet& tracks, const Egomotion& motion) {
   }
   reset_count_ = motion.reset_count;
   follow_rig(motion);
-  is_slow_ = to_seconds(motion.exposure - now_) > kLongInterval_s;
+  follow_rate(to_seconds(motion.exposure - now_));
   now_ = motion.exposure;
   rig_ = RigPose(motion);
   trails_.begin(now_, anew);
@@ -126,6 +127,7 @@ void FilterMethod::filter(const TrackSet& tracks, const Egomotion& motion) {
     if (filters_.measurements(at).is_seen[at.lane] == 0.0) continue;
     PointSample point = sample(at);
     point.track = i;
+    point.pixel_px = uvd(tracks.tracks[i].current).head<2>();
     if (point.moves) {
       const auto& c = tracks.tracks[i].current.covariance_px2;
       point.weak_axis = weak_axis(c[0], c[1], c[3]);
@@ -136,8 +138,17 @@ void FilterMethod::filter(const TrackSet& tracks, const Egomotion& motion) {
   noise_model_.learn(to_seconds(motion.exposure - motion.previous_exposure));
 }
 
+// A long interval after a short one is a hole, and tells no more than any other pair.
+void FilterMethod::follow_rate(double interval_s) {
+  const bool came_late = comes_late_;
+  comes_late_ = interval_s == 0.0 || interval_s > kLongInterval_s;  // nothing is known at first
+  is_slow_ = interval_s > 0.0 && comes_late_ && came_late;
+}
+
 // Whether what rests is where it was due: else a single interval tells nothing.
 bool FilterMethod::rest_fits() const { return noise_.misfit() < kMostRestMisfit; }
+
+bool FilterMethod::rest_is_off() const { return std::isfinite(noise_.misfit()) && !rest_fits(); }
 
 double FilterMethod::least_updates() const { return is_slow_ ? kOneInterval : kLeastUpdates; }
 
@@ -178,6 +189,7 @@ FilterStep FilterMethod::step_of(const StereoCamera& camera) const {
   step.walk_px = config_.walk_px;
   step.prior = prior();
   step.now_ns = now_.count();
+  step.is_slow = is_slow_;
   return step;
 }
 
@@ -222,7 +234,7 @@ PointSample FilterMethod::sample(FilterSlot at) const {
   point.chi2 = points.chi2[lane];
   point.evidence = evidence;
   point.motion_probability = logistic(evidence);
-  point.moves = updates >= kLeastUpdates && evidence > kMovingEvidence &&
+  point.moves = !in_one_interval && updates >= kLeastUpdates && evidence > kMovingEvidence &&
                 point.chi2 > kMovingChi2 && filters.misfit[lane] < kMostMisfit;
   point.leaps = in_one_interval && rest_fits() && evidence >= 0.0 && point.chi2 > kMovingChi2 &&
                 filters.standing_chi2[lane] > kLeapChi2;
@@ -230,7 +242,6 @@ PointSample FilterMethod::sample(FilterSlot at) const {
   if (point.leaps) point.evidence = std::max(evidence, kMostPerPair);
   point.moves = point.moves || point.leaps;
   point.stands = (updates >= kLeastUpdates || in_one_interval) && evidence < 0.0;
-  point.pixel_px = {filters.uvd_px[0][lane], filters.uvd_px[1][lane]};
   return point;
 }
 

@@ -33,7 +33,9 @@ class FilterMethod {
   [[nodiscard]] MotionPrior prior() const;
   [[nodiscard]] FilterStep step_of(const StereoCamera& camera) const;
   [[nodiscard]] double least_updates() const;
+  void follow_rate(double interval_s);
   [[nodiscard]] bool rest_fits() const;
+  [[nodiscard]] bool rest_is_off() const;
   void measure(const StereoCamera& camera, const RowTiming& rows, const Track& track,
                FilterSlot at);
   void learn_noise(const StereoCamera& camera, const Track& track, FilterSlot at);
@@ -48,7 +50,8 @@ class FilterMethod {
   Trails trails_;
   std::uint32_t reset_count_ = 0;
   Nanoseconds now_{0};
-  bool is_slow_ = false;  // a long interval since the pair before
+  bool comes_late_ = true;  // a long interval since the pair before
+  bool is_slow_ = false;    // and before that one, too
   RigPose rig_;
   Eigen::Vector3d rig_velocity_mps_ = Eigen::Vector3d::Zero();  // smoothed, current camera axes
   int rig_pairs_ = 0;                                           // in it

@@ -144,7 +144,7 @@ bool slips_along_texture(const StereoCamera& camera, std::span<const PointSample
     const double speed_pxps = flow_pxps.norm();
     if (speed_pxps > kMostSlip_pxps) {
       across += 1.0;
-    } else if (point.weak_axis.isZero()) {
+    } else if (point.weak_axis.isZero() || !(speed_pxps > 0.0)) {
       across += kAcrossAtRandom;
     } else {
       const double along = flow_pxps.dot(point.weak_axis) / speed_pxps;

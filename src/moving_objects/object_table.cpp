@@ -124,7 +124,7 @@ void ObjectTable::move_on(const StereoCamera& camera, Nanoseconds exposure,
                           const Eigen::Isometry3d& T_current_previous) {
   const double elapsed_s = to_seconds(exposure - now_);
   now_ = exposure;
-  interval_s_ = elapsed_s;
+  is_slow_ = false;
   const Eigen::Matrix3d R = T_current_previous.linear();
   for (Tracked& tracked : objects_) {
     MovingObject& object = tracked.object;
@@ -229,8 +229,7 @@ bool ObjectTable::is_limb(const MotionGroup& group) const {
 
 // Over a long interval repeated texture is mismatched in shoals, among points that rest.
 double ObjectTable::least_purity() const {
-  return interval_s_ > gates_.long_interval_s ? std::max(kLeapPurity, config_.min_purity)
-                                              : config_.min_purity;
+  return is_slow_ ? std::max(kLeapPurity, config_.min_purity) : config_.min_purity;
 }
 
 // Only a group that passes every gate opens an object; later a smaller one keeps it. What swings
@@ -259,7 +258,9 @@ ObjectTable::Tracked* ObjectTable::create(std::span<const PointSample> points,
 }
 
 void ObjectTable::associate(const StereoCamera& camera, std::span<const PointSample> points,
-                            const MotionGroups& finder, std::span<const MotionGroup> groups) {
+                            const MotionGroups& finder, std::span<const MotionGroup> groups,
+                            bool is_slow) {
+  is_slow_ = is_slow;
   for (const MotionGroup& group : groups) {
     if (group.slides || group.velocity_mps.norm() < gates_.min_speed_mps) continue;
     const Members members = finder.members(group);
@@ -337,10 +338,8 @@ void ObjectTable::update(const StereoCamera& camera, std::span<const PointSample
 
 // A pair after a long interval tells as much as many that follow each other quickly.
 bool ObjectTable::is_proven(const Tracked& tracked) const {
-  if (interval_s_ > gates_.long_interval_s &&
-      (tracked.pairs >= gates_.confirm_pairs || members_.size() >= kClearPoints)) {
+  if (is_slow_ && (tracked.pairs >= gates_.confirm_pairs || members_.size() >= kClearPoints))
     return true;
-  }
   return tracked.pairs >= gates_.confirm_pairs &&
          to_seconds(now_ - tracked.first) >= gates_.confirm_s &&
          tracked.evidence >= gates_.confirm_evidence;

@@ -23,8 +23,6 @@ struct ObjectGates {
   double confirm_evidence = 0.0;  // to become MOVING, in a leaky sum over pairs
   int confirm_pairs = 1;
   double confirm_s = 0.0;
-  // Pairs at least this far apart prove it by their number, or by many points that agree.
-  double long_interval_s = std::numeric_limits<double>::infinity();
 };
 
 // Objects over time: names that stick to their tracks, evidence before MOVING, coasting and end.
@@ -38,8 +36,11 @@ class ObjectTable {
   // Objects move on to a pair in which nothing could be seen.
   void miss(const TrackSet& tracks);
   // Gives each group to an object: by shared tracks, else by place and velocity, else a new one.
+  // `is_slow`: pairs are far apart, and prove an object by their number or by many points that
+  // agree.
   void associate(const StereoCamera& camera, std::span<const PointSample> points,
-                 const MotionGroups& finder, std::span<const MotionGroup> groups);
+                 const MotionGroups& finder, std::span<const MotionGroup> groups,
+                 bool is_slow = false);
   // Measures the objects by their own points, decides their states, forgets the lost ones.
   void update(const StereoCamera& camera, std::span<const PointSample> points,
               bool motion_is_valid);
@@ -110,7 +111,7 @@ class ObjectTable {
   const MovingObjectsConfig config_;
   const ObjectGates gates_;
   Nanoseconds now_{0};
-  double interval_s_ = 0.0;  // since the pair before
+  bool is_slow_ = false;
   std::vector<Tracked> objects_;
   std::vector<std::int64_t> owners_;  // parallel to TrackSet::tracks
   std::vector<std::uint64_t> track_ids_;

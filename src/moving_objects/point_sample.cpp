@@ -17,7 +17,7 @@ Eigen::Vector2d weak_axis(double uu_px2, double uv_px2, double vv_px2) {
   const double half_px2 = 0.5 * (uu_px2 - vv_px2);
   const double spread_px2 = std::hypot(half_px2, uv_px2);
   const double mean_px2 = 0.5 * (uu_px2 + vv_px2);
-  if (mean_px2 + spread_px2 < kWeakRatio * kWeakRatio * (mean_px2 - spread_px2))
+  if (mean_px2 + spread_px2 <= kWeakRatio * kWeakRatio * (mean_px2 - spread_px2))
     return Eigen::Vector2d::Zero();
   const double angle_rad = 0.5 * std::atan2(uv_px2, half_px2);
   return {std::cos(angle_rad), std::sin(angle_rad)};

@@ -95,7 +95,7 @@ TEST_P(FastBoard, CarriesHalfAsManyTracksAsARestingOne) {
 
 INSTANTIATE_TEST_SUITE_P(MoverSearchTest, FastBoard,
                          ::testing::Values(Steps{0.1, 50.0}, Steps{0.1, -50.0}, Steps{1.0, 150.0},
-                                           Steps{1.0, -150.0}));
+                                           Steps{1.0, 128.0}, Steps{1.0, -150.0}));
 
 }  // namespace
 }  // namespace egomod

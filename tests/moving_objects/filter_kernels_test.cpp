@@ -55,12 +55,14 @@ class FilterTwins {
     twin_.disparity_bias_px = 0.1;
     twin_.flow_error_share = 0.01;
     twin_.walk_px = 0.033;
+    twin_.is_slow = jumps(3);
     step_ = filter_step(twin_.rig, kFilterCamera);
     step_.disparity_bias_px = 0.1;
     step_.flow_error_share = 0.01;
     step_.walk_px = 0.033;
     step_.prior = prior_;
     step_.now_ns = now_.count();
+    step_.is_slow = twin_.is_slow;
   }
 
   void see(std::size_t lane) {
@@ -135,6 +137,7 @@ void check_filters(FilterKernels kernels) {
   twins.run();
   EXPECT_LT(twins.most_evidence(0), 3.0) << "the scene must hold what stands";
   EXPECT_GT(twins.most_evidence(1), 20.0) << "and what moves";
+  EXPECT_GT(twins.most_evidence(3), 3.0) << "and what leaves its place within a long interval";
 }
 
 TEST(FilterKernels, BaselineDoesWhatTheReferenceDoes) { check_filters(baseline::filter_kernels()); }

@@ -103,6 +103,22 @@ TEST_P(LongIntervals, OneTellsWhatStarts) {
 
 INSTANTIATE_TEST_SUITE_P(Rates, LongIntervals, ::testing::Values(5.0, 1.0));
 
+// A hole is no low rate: its pair tells no more than any other.
+TEST_F(Filter, AHoleTellsNoMoreThanAnyOtherPair) {
+  rest_rig();
+  world.rate_hz = 30.0;
+  world.add_background(300);
+  world.add_box(30, {-0.8, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.0, 0.0, 0.0});
+  int pair = 0;
+  for (; pair < 30; ++pair) run(pair);
+  turn(pair - 1, 300, {0.5, 0.0, 0.0});
+  pair += 9;
+  run(pair);
+  EXPECT_EQ(moving(), 0);
+  for (int after = 1; after < 5; ++after) run(pair + after);
+  EXPECT_EQ(moving(), 1);
+}
+
 TEST_F(Filter, FewThatAgreeAmongManyThatRestAreNoObjectAtOneHertz) {
   rest_rig();
   world.rate_hz = 1.0;

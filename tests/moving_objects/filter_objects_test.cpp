@@ -95,7 +95,6 @@ TEST_F(Filter, BorderThatOnlyChangesItsDepthIsNoObject) {
   }
 }
 
-// Few points of one velocity on the trunk; legs swing to and fro, once in 1.2 s.
 // Lines that lie across the image tell little of where along them a point is.
 class FilterOnGrain : public Filter {
  protected:
@@ -133,6 +132,7 @@ TEST_F(FilterOnGrain, WhatMovesAcrossItIsAnObject) {
   EXPECT_EQ(moving_after(30), 1);
 }
 
+// Few points of one velocity on the trunk; legs swing to and fro, once in 1.2 s.
 TEST_F(Filter, WalkerIsOneObject) {
   rest_rig();
   world.add_background(300);

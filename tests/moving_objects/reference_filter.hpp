@@ -52,7 +52,7 @@ struct TrackFilter {
 
   void start(const PointMeasurement& measurement, const MotionPrior& prior, Nanoseconds now);
   void predict(const MotionPrior& prior, Nanoseconds now);
-  void update(const PointMeasurement& measurement, const MotionPrior& prior);
+  void update(const PointMeasurement& measurement, const MotionPrior& prior, bool is_slow);
   void start_in_between(const PointMeasurement& measurement, const MotionPrior& prior,
                         const PointModel<3>& rested, const Fit& stands);
 
@@ -219,7 +219,8 @@ inline void TrackFilter::start_in_between(const PointMeasurement& measurement,
   evidence = std::clamp(leaves.log_likelihood - stands.log_likelihood, 0.0, kMostPerPair);
 }
 
-inline void TrackFilter::update(const PointMeasurement& measurement, const MotionPrior& prior) {
+inline void TrackFilter::update(const PointMeasurement& measurement, const MotionPrior& prior,
+                                bool is_slow) {
   standing.covariance += measurement.walk_m2;
   moving.covariance.topLeftCorner<3, 3>() += measurement.walk_m2;
   const PointModel<3> rested = standing;
@@ -234,7 +235,7 @@ inline void TrackFilter::update(const PointMeasurement& measurement, const Motio
   stood = stood || evidence < kStoodEvidence;
   if (evidence < 0.0 && updates >= 3 && stands.chi2 > kSurpriseChi2) {
     if (moves.chi2 > kSurpriseChi2) move_from_here(*this, measurement, prior);
-    if (interval_s > kLongInterval_s) start_in_between(measurement, prior, rested, stands);
+    if (is_slow) start_in_between(measurement, prior, rested, stands);
   }
   if (evidence > kMostEvidence - kNearBound) stand_where_it_is(*this);
   if (misfit > 4.0 * kFittingChi2) {  // fits neither: a mismatch, or another surface
@@ -247,6 +248,7 @@ struct Camera {
   StereoCamera camera;
   RigPose rig;
   double disparity_bias_px = 0.0, flow_error_share = 0.0, walk_px = 0.0;
+  bool is_slow = false;
 };
 
 // C of a point at this offset from the camera, both in the first camera's axes: T * Exp(xi) moves
@@ -296,7 +298,7 @@ inline void step(const Camera& c, const MotionPrior& prior, Nanoseconds now,
   if (is_new) {
     filter.start(measurement, prior, now);
   } else {
-    filter.update(measurement, prior);
+    filter.update(measurement, prior, c.is_slow);
   }
   filter.uvd_px = z_px;
 }

@@ -71,9 +71,10 @@ class EgomotionEstimator {
   [[nodiscard]] bool find_past(const StereoCamera& camera, const Track& track, std::size_t index,
                                const Eigen::Isometry3d& T_previous_first, Correspondence& c) const;
   [[nodiscard]] Solution solve(const TrackSet& tracks);
+  [[nodiscard]] bool rests() const;
   [[nodiscard]] bool learns_readout() const;
   void account_for_rows(const TrackSet& tracks, Solution& solution);
-  void learn_readout(const TrackSet& tracks, const Solution& solution);
+  void learn_readout(const TrackSet& tracks, const Solution& solution, bool is_told);
   void assign_roles(const TrackSet& tracks, const Solution& solution, Egomotion& motion);
   [[nodiscard]] bool is_inlier(const Eigen::Isometry3d& T_current_previous, std::size_t k,
                                const StereoCamera& camera) const;
@@ -82,7 +83,8 @@ class EgomotionEstimator {
                                  Egomotion& motion);
   [[nodiscard]] bool wheels_contradict(const Solution& solution, const Egomotion& motion) const;
   [[nodiscard]] bool is_surely_static(const Egomotion& motion) const;
-  void accept(const TrackSet& tracks, const Solution& solution, bool is_doubted, Egomotion& motion);
+  void accept(const TrackSet& tracks, const Solution& solution, bool has_rival, bool contradicted,
+              Egomotion& motion);
   void doubt(const Solution& other, EstimateReason reason, Egomotion& motion);
   void fail(EstimateReason reason, const TrackSet& tracks, Egomotion& motion);
 
@@ -102,7 +104,8 @@ class EgomotionEstimator {
   TrackMap map_;
   ReadoutLearner readout_;
   PairVelocity pair_velocity_;
-  RowTiming rows_;  // of this pair
+  RowTiming rows_;               // of this pair
+  bool is_first_motion_ = true;  // since the map was begun
   // What a second of readout puts the motion of the last second or so off by.
   Vector6d second_error_per_s_ = Vector6d::Zero();
   PoseAccumulator pose_;

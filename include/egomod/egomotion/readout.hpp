@@ -22,7 +22,6 @@ class PairVelocity {
   void keep(const Vector6d& mean_velocity);
   // If it was this on average since the last pair.
   [[nodiscard]] Vector6d after(const Vector6d& mean_velocity) const;
-  [[nodiscard]] bool is_new() const { return count_ == 0; }
 
  private:
   std::array<Vector6d, 2> kept_{};  // the last one first
@@ -35,10 +34,12 @@ class PairVelocity {
 // be right (MapPoint::row_error_m_per_s): only the rest can be seen. Threads: one caller.
 class ReadoutLearner {
  public:
+  // `is_told`: the residuals are a moving rig's, not a mover's; else nothing is learnt or
+  // forgotten.
   void learn(const StereoCamera& camera, std::span<const Correspondence> correspondences,
              std::span<const double> distances2, std::span<const MapPoint> map,
              const Eigen::Isometry3d& T_previous_current, const Eigen::Isometry3d& T_first_current,
-             const Vector6d& velocity, double dt_s);
+             const Vector6d& velocity, double dt_s, bool is_told);
 
   // Once the shutter is known to be global there is nothing left to learn.
   [[nodiscard]] bool is_none() const { return is_none_; }
