@@ -12,7 +12,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double kRounding = 1e-9;
+constexpr double kTinyError = 1e-9;
 const Eigen::Matrix3d kSameAxes = Eigen::Matrix3d::Identity();
 
 // One point, seen each 33 ms.
@@ -36,11 +36,12 @@ TEST(Trails, EachWindowHasTheVelocityOfASteadyPoint) {
   const RecentVelocities recent = walk.trails.velocities(3, kSameAxes);
   ASSERT_EQ(recent.count, kRecentPairs.size());
   for (std::size_t k = 0; k < recent.count; ++k) {
-    EXPECT_LT((recent.windows[k].velocity_mps - velocity_mps).norm(), kRounding);
-    EXPECT_NEAR(recent.windows[k].span_s, 0.033 * static_cast<double>(kRecentPairs[k] - 1), kRounding);
+    EXPECT_LT((recent.windows[k].velocity_mps - velocity_mps).norm(), kTinyError);
+    EXPECT_NEAR(recent.windows[k].span_s, 0.033 * static_cast<double>(kRecentPairs[k] - 1),
+                kTinyError);
   }
   // Three equidistant points: 2 sigma^2 / (2 dt)^2.
-  EXPECT_NEAR(recent.windows[0].gain_hz2 * 2.0 * 0.033 * 0.033, 1.0, kRounding);
+  EXPECT_NEAR(recent.windows[0].gain_hz2 * 2.0 * 0.033 * 0.033, 1.0, kTinyError);
 }
 
 TEST(Trails, AWindowKnowsNothingOfWhatWasBeforeIt) {
@@ -49,7 +50,7 @@ TEST(Trails, AWindowKnowsNothingOfWhatWasBeforeIt) {
   for (int k = 0; k < 3; ++k) walk.step({0.0, 0.0, 0.4});
   const RecentVelocities recent = walk.trails.velocities(3, kSameAxes);
   ASSERT_GE(recent.count, 3U);
-  EXPECT_NEAR(recent.windows[0].velocity_mps.z(), 0.4, kRounding);
+  EXPECT_NEAR(recent.windows[0].velocity_mps.z(), 0.4, kTinyError);
   EXPECT_LT(recent.windows[2].velocity_mps.z(), 0.35);
 }
 
@@ -58,7 +59,7 @@ TEST(Trails, TurnsVelocitiesToTheAxesAskedFor) {
       Eigen::AngleAxisd(std::numbers::pi / 2.0, Eigen::Vector3d::UnitY()).toRotationMatrix();
   Walk walk;
   for (int k = 0; k < 5; ++k) walk.step({0.0, 0.0, 0.4});
-  EXPECT_NEAR(walk.trails.velocities(3, R).windows[0].velocity_mps.x(), 0.4, kRounding);
+  EXPECT_NEAR(walk.trails.velocities(3, R).windows[0].velocity_mps.x(), 0.4, kTinyError);
 }
 
 TEST(Trails, StartsAnewAfterAGapAResetOrAnotherPoint) {
