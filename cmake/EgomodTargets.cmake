@@ -72,10 +72,13 @@ function(egomod_test)
   if(EGOMOD_SANITIZE)  # instrumented code runs up to twenty times slower
     math(EXPR arg_TIMEOUT "5 * ${arg_TIMEOUT}")
   endif()
-  set(environment)
-  if(EGOMOD_SANITIZE MATCHES "thread")
-    set(environment ENVIRONMENT "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/thread_sanitizer.supp")
+  set(properties TIMEOUT ${arg_TIMEOUT})
+  if(arg_LABELS)
+    list(APPEND properties LABELS "${arg_LABELS}")
   endif()
-  gtest_discover_tests(${arg_NAME} DISCOVERY_MODE PRE_TEST
-    PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS "${arg_LABELS}" ${environment})
+  if(EGOMOD_SANITIZE MATCHES "thread")
+    list(APPEND properties
+      ENVIRONMENT "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/thread_sanitizer.supp")
+  endif()
+  gtest_discover_tests(${arg_NAME} DISCOVERY_MODE PRE_TEST PROPERTIES ${properties})
 endfunction()
