@@ -86,6 +86,27 @@ TEST(Readout, OfAGlobalShutterIsNone) {
   for (std::uint32_t seed = 1; seed <= 6; ++seed) EXPECT_EQ(ride(seed, 0.0).readout_s, 0.0);
 }
 
+TEST(Readout, IsNotForgottenAtRest) {
+  constexpr int kDriven = 120;
+  constexpr int kInAll = kDriven + 90 * 30;
+  World world(1, 300, 0.0, 0.02);
+  EgomotionEstimator estimator{EgomotionConfig{}};
+  Egomotion motion;
+  const auto velocity = [&](int k) -> Vector6d {
+    return k < kDriven ? velocity_at(k * kDtS) : Vector6d::Zero();
+  };
+  estimator.estimate(as_rows_show(world.tracks(), kReadoutS, velocity(0)), motion);
+  for (int k = 1; k <= kInAll; ++k) {
+    const TrackSet& tracks =
+        world.step(se3_exp(0.5 * kDtS * (velocity(k - 1) + velocity(k))), kDtS);
+    estimator.estimate(as_rows_show(tracks, kReadoutS, velocity(k)), motion);
+    if (k == kDriven) {
+      ASSERT_NEAR(motion.rows.readout_s, kReadoutS, 0.05 * kReadoutS);
+    }
+  }
+  EXPECT_NEAR(motion.rows.readout_s, kReadoutS, 0.05 * kReadoutS);
+}
+
 TEST(Readout, TheVelocityAtAPairFollowsALine) {
   PairVelocity velocity;
   const auto mean = [](double t_s) -> Vector6d { return Vector6d::Constant(2.0 + 3.0 * t_s); };
