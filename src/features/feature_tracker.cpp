@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "bridging.hpp"
+#include "egomod/core/pair_rate.hpp"
 #include "mover_search.hpp"
 #include "observation.hpp"
 #include "rig_motion.hpp"
@@ -26,7 +27,6 @@ constexpr int kMaxPairsWithoutStereo = 5;
 // Shares of points not found that call for the wide search, and that discredit the prediction.
 constexpr float kBridgingShare = 0.3F;
 constexpr float kSurpriseShare = 0.5F;
-constexpr double kLongInterval_s = 0.15;  // movers leave the reach of the usual search in it
 // Beyond 1000 the drift does not fall; see docs/egomotion.md for what each costs.
 constexpr int kMaxTracks = 1000;
 constexpr int kMaxTracksBaseline = 550;
@@ -180,10 +180,7 @@ float FeatureTracker::Implementation::next_interval_ratio(Nanoseconds exposure) 
   const double interval_s = to_seconds(exposure - last_exposure_);
   const double ratio =
       interval_s > 0.0 && last_interval_s_ > 0.0 ? interval_s / last_interval_s_ : 1.0;
-  // A long interval after a short one is a hole: there is no more time for its pair than for
-  // others.
-  is_slow_ = interval_s > kLongInterval_s &&
-             (last_interval_s_ == 0.0 || last_interval_s_ > kLongInterval_s);
+  is_slow_ = is_low_rate(interval_s, last_interval_s_);
   last_interval_s_ = first_ ? 0.0 : interval_s;
   return static_cast<float>(std::clamp(ratio, 0.1, 10.0));
 }

@@ -31,10 +31,10 @@ constexpr std::uint32_t kYoungAge = 3;
 constexpr std::size_t kScouts = 150;
 constexpr float kTellingDisparity_px = 3.0F;  // smaller ones are too noisy to tell growth
 constexpr float kMaxGrowth = 1.3F;            // a pair
-// Seen elsewhere, a point's NCC must be that much better there than at rest; an old one, which has
-// rested so far, may be that much worse.
-constexpr float kYoungMargin = 0.05F;
-constexpr float kOldMargin = -0.02F;  // rest must win by that
+// By how much NCC must be better: elsewhere than at rest for a young point, at rest than elsewhere
+// for an old one, which has rested so far.
+constexpr float kOwnMotionLead = 0.05F;
+constexpr float kRestLead = 0.02F;
 
 // Of the half-resolution search. Constant motion errs by a few pixels; a new point's may be new.
 constexpr int kSearchLevel = 1;
@@ -227,8 +227,8 @@ void TemporalAlignment::follow_rig(const RigMotion& motion, const StereoImages& 
     if (!expected || (point.followed && distance(expected->left, point.left) < kResting_px))
       continue;
     const Attempt resting = align_from(current, store, point, {expected->left});
-    const float margin = point.age > kYoungAge ? kOldMargin : kYoungMargin;
-    const float rival = point.followed ? point.ncc - margin : point.usual_ncc - kSuspiciousNccDrop;
+    const float lead = point.age > kYoungAge ? kRestLead : -kOwnMotionLead;
+    const float rival = point.followed ? point.ncc + lead : point.usual_ncc - kSuspiciousNccDrop;
     if (resting.ncc > rival) accept(resting.warp, resting.ncc, point);
   }
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "egomod/core/geometry.hpp"
+#include "egomod/core/pair_rate.hpp"
 
 namespace egomod {
 namespace {
@@ -15,9 +16,7 @@ constexpr double kMostMisfit = 8.0;      // of a point that may speak for motion
 constexpr double kLeastUpdates = 3;      // the first two of them fix position and velocity
 constexpr double kOneInterval = 2;       // updates
 constexpr double kMostRestMisfit = 1.5;  // 1 is what the noise is scaled to
-// From here on a displacement between two pairs shows motion by itself.
-constexpr double kLongInterval_s = 0.15;
-constexpr double kLeapChi2 = 16.27;  // 99.9 %, 3 dof: a single displacement against rest
+constexpr double kLeapChi2 = 16.27;      // 99.9 %, 3 dof: a single displacement against rest
 constexpr int kConfirmPairs = 2;
 constexpr double kRigMemory_s = 0.15;  // one pair at a high rate tells little about the speed
 constexpr double kReanchor_px = 0.2;   // a renewed template may step
@@ -99,7 +98,9 @@ void FilterMethod::filter(const TrackSet& tracks, const Egomotion& motion) {
   }
   reset_count_ = motion.reset_count;
   follow_rig(motion);
-  follow_rate(to_seconds(motion.exposure - now_));
+  const double interval_s = to_seconds(motion.exposure - now_);
+  is_slow_ = is_low_rate(interval_s, interval_s_);
+  interval_s_ = interval_s;
   now_ = motion.exposure;
   rig_ = RigPose(motion);
   trails_.begin(now_, anew);
@@ -136,13 +137,6 @@ void FilterMethod::filter(const TrackSet& tracks, const Egomotion& motion) {
     if (point.velocity_mps.allFinite() && std::isfinite(point.chi2)) points_.push_back(point);
   }
   noise_model_.learn(to_seconds(motion.exposure - motion.previous_exposure));
-}
-
-// A long interval after a short one is a hole, and tells no more than any other pair.
-void FilterMethod::follow_rate(double interval_s) {
-  const bool came_late = comes_late_;
-  comes_late_ = interval_s == 0.0 || interval_s > kLongInterval_s;  // nothing is known at first
-  is_slow_ = interval_s > 0.0 && comes_late_ && came_late;
 }
 
 // Whether what rests is where it was due: else a single interval tells nothing.

@@ -33,7 +33,6 @@ class FilterMethod {
   [[nodiscard]] MotionPrior prior() const;
   [[nodiscard]] FilterStep step_of(const StereoCamera& camera) const;
   [[nodiscard]] double least_updates() const;
-  void follow_rate(double interval_s);
   [[nodiscard]] bool rest_fits() const;
   [[nodiscard]] bool rest_is_off() const;
   void measure(const StereoCamera& camera, const RowTiming& rows, const Track& track,
@@ -50,8 +49,8 @@ class FilterMethod {
   Trails trails_;
   std::uint32_t reset_count_ = 0;
   Nanoseconds now_{0};
-  bool comes_late_ = true;  // a long interval since the pair before
-  bool is_slow_ = false;    // and before that one, too
+  double interval_s_ = 0.0;  // before this pair
+  bool is_slow_ = false;     // pairs are far apart
   RigPose rig_;
   Eigen::Vector3d rig_velocity_mps_ = Eigen::Vector3d::Zero();  // smoothed, current camera axes
   int rig_pairs_ = 0;                                           // in it
