@@ -23,7 +23,8 @@ namespace {
 
 constexpr int kMinImageSide_px = 48;
 constexpr std::size_t kFewTracks = 20;
-constexpr int kMaxPairsWithoutStereo = 5;
+constexpr int kMaxPairsAlone = 20;
+constexpr int kPairsToKnowMotion = 8;
 // Shares of points not found that call for the wide search, and that discredit the prediction.
 constexpr float kBridgingShare = 0.3F;
 constexpr float kSurpriseShare = 0.5F;
@@ -74,8 +75,16 @@ bool moves_images(const Calibration& before, const Calibration& now) {
          (before.camera != now.camera || before.left != now.left || before.right != now.right);
 }
 
+// The right camera does not see what is at the left border; what moves there is worth following
+// all the same, since its motion is known by then.
+bool goes_on_alone(const FollowedPoint& p) {
+  return !p.stereo.valid && p.pairs_without_stereo <= kMaxPairsAlone &&
+         p.pairs_moving - p.pairs_without_stereo >= kPairsToKnowMotion;
+}
+
 bool has_lost_sight(const FollowedPoint& p) {
-  return !p.followed || p.refuted || p.pairs_without_stereo > kMaxPairsWithoutStereo;
+  const bool lost_stereo = p.pairs_without_stereo > kMaxPairsWithoutStereo && !goes_on_alone(p);
+  return !p.followed || p.refuted || lost_stereo;
 }
 
 // What depends on the image size.
@@ -283,6 +292,7 @@ void FeatureTracker::Implementation::publish(TrackSet& tracks) {
                              .age = point.age,
                              .has_current = point.stereo.valid,
                              .has_previous = point.has_previous_observation,
+                             .left_only = goes_on_alone(point),
                              .reanchored = point.reanchored,
                              .ncc = point.ncc,
                              .ncc_right = point.stereo.ncc,

@@ -116,7 +116,9 @@ void MoverSearch::vote_by_followed(const RigMotion& motion, const TrackStore& st
   for (std::size_t i = 0; i < store.points().size(); ++i) {
     const FollowedPoint& p = store.points()[i];
     const auto resting = motion.predict(p);
-    if (!p.followed || !resting || distance(resting->left, p.left) < kOwnMotion_px) continue;
+    if (!p.followed || is_left_only(p) || !resting ||
+        distance(resting->left, p.left) < kOwnMotion_px)
+      continue;
     votes_.push_back({place_of(p, i), p.flow});
   }
 }

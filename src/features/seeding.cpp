@@ -38,7 +38,8 @@ Seeding::Seeding(int capacity, const CornerConfig& corners, const DisparityConfi
 void Seeding::seed(const StereoImages& images, const Skew& skew, TrackStore& store) {
   if (store.full()) return;
   occupied_.clear();
-  for (const FollowedPoint& point : store.points()) occupied_.push_back(point.left);
+  for (const FollowedPoint& point : store.points())
+    if (!is_left_only(point)) occupied_.push_back(point.left);
   detector_.detect(images.left.level(0), occupied_, kRoomFactor, corners_);
   std::size_t tries = kTriesPerPlace * store.free_places();
   if (store.points().size() >= half_full_) tries = std::min(tries, max_tries_when_half_full_);

@@ -27,6 +27,7 @@ constexpr float kSharedFlowShare = 0.2F;
 constexpr std::ptrdiff_t kMinCompanions = 3;
 // A point that is further from where it would rest has a motion of its own, or is a look-alike.
 constexpr float kResting_px = 4.0F;
+constexpr float kMoving_px = 0.7F;  // a pair, by a motion of its own; less may be noise
 constexpr std::uint32_t kYoungAge = 3;
 constexpr std::size_t kScouts = 150;
 constexpr float kTellingDisparity_px = 3.0F;  // smaller ones are too noisy to tell growth
@@ -169,13 +170,14 @@ void TemporalAlignment::remember_resting(const RigMotion& motion, TrackStore& st
     if (!point.followed || !resting) continue;
     point.own_motion = point.left - resting->left;
     point.rests = length(point.own_motion) < kResting_px;
+    point.pairs_moving = length(point.own_motion) > kMoving_px ? point.pairs_moving + 1 : 0;
   }
 }
 
 void TemporalAlignment::gather_neighbours(const TrackStore& store) {
   neighbours_.clear();
   for (const FollowedPoint& p : store.points()) {
-    if (!p.followed) continue;
+    if (!p.followed || is_left_only(p)) continue;
     neighbours_.push_back({p.previous_left.u_px, p.previous_left.v_px,
                            3.0F * p.previous_stereo.disparity_px, p.flow, p.id});
   }
@@ -275,7 +277,7 @@ void TemporalAlignment::gather_own_motions(const RigMotion& motion, const TrackS
   neighbours_.clear();
   for (const FollowedPoint& p : store.points()) {
     const auto resting = motion.predict(p);
-    if (!p.followed || !resting) continue;
+    if (!p.followed || is_left_only(p) || !resting) continue;
     neighbours_.push_back({p.previous_left.u_px, p.previous_left.v_px,
                            3.0F * p.previous_stereo.disparity_px, p.left - resting->left, p.id});
   }

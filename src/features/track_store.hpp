@@ -24,6 +24,9 @@ struct StereoMeasurement {
   float skew_variance_px2 = 0.0F;
 };
 
+// So many, and the right camera is not asked for the point any more.
+inline constexpr int kMaxPairsWithoutStereo = 5;
+
 // All that is remembered of one followed point. `warp` takes its anchor template, which sits on a
 // whole pixel, to the current left image; the point itself lies `offset` away from that pixel.
 struct FollowedPoint {
@@ -48,6 +51,7 @@ struct FollowedPoint {
   float expected_disparity_px = 0.0F;  // in this pair
   bool rests = true;                   // was seen where it would rest, so far
   ImagePoint own_motion{};             // in the left image, from where it would rest
+  int pairs_moving = 0;                // in a row, by a motion of its own
   int pairs_without_stereo = 0;
 
   bool followed = false;  // found in this pair's left image
@@ -57,6 +61,11 @@ struct FollowedPoint {
   StereoObservation observation;
   StereoObservation previous_observation;
 };
+
+// The right camera has lost it for good: it bears nothing else out.
+[[nodiscard]] inline bool is_left_only(const FollowedPoint& point) {
+  return point.pairs_without_stereo > kMaxPairsWithoutStereo;
+}
 
 [[nodiscard]] inline ImagePoint point_of(const AffineWarp& warp, ImagePoint offset) {
   return {warp.u_px + warp.a * offset.u_px + warp.b * offset.v_px,

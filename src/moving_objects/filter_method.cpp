@@ -20,7 +20,9 @@ constexpr double kLeapChi2 = 16.27;      // 99.9 %, 3 dof: a single displacement
 constexpr int kConfirmPairs = 2;
 constexpr double kRigMemory_s = 0.15;  // one pair at a high rate tells little about the speed
 constexpr double kReanchor_px = 0.2;   // a renewed template may step
-constexpr double kLeastRest_s = 0.3;   // sooner, what moves may look at rest
+constexpr double kMinDepth_m = 0.2;
+constexpr double kUnmeasuredShare = 0.3;  // standard deviation of a disparity that is not measured
+constexpr double kLeastRest_s = 0.3;      // sooner, what moves may look at rest
 // A velocity less certain than this in some direction says nothing about "static".
 constexpr double kUnobservable_mps = 0.5;
 
@@ -110,6 +112,8 @@ void FilterMethod::filter(const TrackSet& tracks, const Egomotion& motion) {
     const Track& track = tracks.tracks[i];
     if (track.has_current && is_usable(tracks.camera, track.current, config_.max_depth_m))
       measure(tracks.camera, motion.rows, track, filters_.slot(i));
+    if (track.left_only && keeps_to_its_object(i))
+      measure_left(tracks.camera, motion.rows, track, filters_.slot(i));
   }
   filters_.step(step_of(tracks.camera));
   standing_chi2_.clear();
@@ -129,10 +133,11 @@ void FilterMethod::filter(const TrackSet& tracks, const Egomotion& motion) {
     PointSample point = sample(at);
     point.track = i;
     point.pixel_px = uvd(tracks.tracks[i].current).head<2>();
+    point.left_only = tracks.tracks[i].left_only;
     if (point.moves) {
       const auto& c = tracks.tracks[i].current.covariance_px2;
       point.weak_axis = weak_axis(c[0], c[1], c[3]);
-      recall(tracks.camera, at, point);
+      if (tracks.tracks[i].has_current) recall(tracks.camera, at, point);
     }
     if (point.velocity_mps.allFinite() && std::isfinite(point.chi2)) points_.push_back(point);
   }
@@ -205,8 +210,40 @@ void FilterMethod::measure(const StereoCamera& camera, const RowTiming& rows, co
   set(out.covariance_px2[4], scale * c[4]);
   set(out.covariance_px2[5], scale * c[5] + floor_px2);
   set(out.reanchored_px, track.reanchored ? kReanchor_px : 0.0);
+  if (!track.has_current) return;
   trails_.add(place_of(at), rig_.T_first_current * triangulate(camera, uvd_px),
               filters_.filters(at).updates[at.lane] == 0.0);
+}
+
+// The last disparities before the border, or something nearer, hides a point from the right camera
+// may be of that: what they have told of its velocity must agree with its object's.
+bool FilterMethod::keeps_to_its_object(std::size_t track) const {
+  const FilterSlot at = filters_.slot(track);
+  const FilterBlock& filters = filters_.filters(at);
+  if (filters.updates[at.lane] < kLeastUpdates || filters.evidence[at.lane] < kMovingEvidence)
+    return false;
+  const Eigen::Matrix3d R = rig_.T_current_first.linear();
+  return objects_.moves_with_owner(
+      track, R * vector_of(filters.velocity, at.lane),
+      R * matrix_of(filters.velocity_covariance, at.lane) * R.transpose());
+}
+
+// Its depth goes on as it went, as good as not measured.
+void FilterMethod::measure_left(const StereoCamera& camera, const RowTiming& rows,
+                                const Track& track, FilterSlot at) {
+  const FilterBlock& filters = filters_.filters(at);
+  const double unseen_s = to_seconds(now_ - Nanoseconds(filters.seen_ns[at.lane]));
+  const Eigen::Vector3d P_m =
+      rig_.T_current_first *
+      (vector_of(filters.position, at.lane) + unseen_s * vector_of(filters.velocity, at.lane));
+  if (P_m.z() < kMinDepth_m) return;
+  const double disparity_px = camera.fx_px * camera.baseline_m / P_m.z();
+  Track guessed = track;
+  guessed.current.disparity_px = static_cast<float>(disparity_px);
+  auto& c = guessed.current.covariance_px2;
+  c[2] = c[4] = 0.0F;
+  c[5] = static_cast<float>(std::pow(kUnmeasuredShare * disparity_px, 2));
+  measure(camera, rows, guessed, at);
 }
 
 PointSample FilterMethod::sample(FilterSlot at) const {

@@ -37,6 +37,9 @@ class FilterMethod {
   [[nodiscard]] bool rest_is_off() const;
   void measure(const StereoCamera& camera, const RowTiming& rows, const Track& track,
                FilterSlot at);
+  [[nodiscard]] bool keeps_to_its_object(std::size_t track) const;
+  void measure_left(const StereoCamera& camera, const RowTiming& rows, const Track& track,
+                    FilterSlot at);
   void learn_noise(const StereoCamera& camera, const Track& track, FilterSlot at);
   [[nodiscard]] PointSample sample(FilterSlot at) const;
   // How it went over its last pairs.

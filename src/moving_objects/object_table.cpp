@@ -81,7 +81,7 @@ ObjectTable::ObjectTable(const MovingObjectsConfig& config, const ObjectGates& g
   objects_.reserve(kMostObjects);
   for (auto* ids : {&track_ids_, &previous_track_ids_}) ids->reserve(kReservedTracks);
   for (auto* owners : {&owners_, &previous_owners_}) owners->reserve(kReservedTracks);
-  for (auto* members : {&members_, &trunk_}) members->reserve(kReservedTracks);
+  for (auto* members : {&members_, &seen_, &trunk_}) members->reserve(kReservedTracks);
 }
 
 // By the free space between their boxes along each axis.
@@ -376,6 +376,17 @@ void ObjectTable::absorb_parts(const StereoCamera& camera, std::span<const Point
   }
 }
 
+bool ObjectTable::moves_with_owner(std::size_t track, const Eigen::Vector3d& velocity_mps,
+                                   const Eigen::Matrix3d& covariance_m2ps2) const {
+  const auto owner = std::find_if(objects_.begin(), objects_.end(), [&](const Tracked& tracked) {
+    return tracked.confirmed && !tracked.swings && tracked.object.age_s >= kKnown_s &&
+           tracked.object.id == owners_[track];
+  });
+  if (owner == objects_.end()) return false;
+  const Eigen::Vector3d off = velocity_mps - owner->object.velocity_mps;
+  return off.dot(covariance_m2ps2.ldlt().solve(off)) < kLeaveChi2;
+}
+
 // One wrong member blows a rectangle of extremes up: whoever "static" explains better leaves.
 bool ObjectTable::belongs(const PointSample& point, const Tracked& tracked) const {
   if (tracked.swings && point.moves) return is_at(point, tracked.box);
@@ -404,33 +415,47 @@ void ObjectTable::measure(const StereoCamera& camera, std::span<const PointSampl
   object.points = static_cast<int>(members_.size());
   // Features sit where the texture is: the ray through the rectangle's centre at their depth is
   // nearer to the centre of the visible surface than their mean.
-  const double z_m = mean_position(points, members_).z();
+  const Members seen = seen_by_both(points);
+  const double z_m = seen.empty() ? object.position_m.z() : mean_position(points, seen).z();
   const PixelRect& r = object.rectangle;
   object.position_m = {(0.5 * (r.u_min_px + r.u_max_px) - camera.cx_px) / camera.fx_px * z_m,
                        (0.5 * (r.v_min_px + r.v_max_px) - camera.cy_px) / camera.fy_px * z_m, z_m};
-  object.position_covariance_m2 = mean_covariance(points, members_, config_.error_correlation,
-                                                  &PointSample::position_covariance_m2) +
-                                  shape_variance_m2(object) * Eigen::Matrix3d::Identity();
+  if (!seen.empty())
+    object.position_covariance_m2 = mean_covariance(points, seen, config_.error_correlation,
+                                                    &PointSample::position_covariance_m2) +
+                                    shape_variance_m2(object) * Eigen::Matrix3d::Identity();
   tracked.latest = {object.velocity_mps, object.velocity_covariance_m2ps2};
-  measure_motion(points, tracked);
+  if (!seen.empty()) measure_motion(points, seen, tracked);
   set_speed(object);
   object.motion_probability = logistic(motion_log_ratio(
       tracked.latest.mps, tracked.latest.covariance_m2ps2, config_.velocity_prior_mps));
 }
 
+// The members that tell depth and velocity; none where too few do: the last disparities before the
+// border, or something nearer, hides a point from the right camera may be of that.
+Members ObjectTable::seen_by_both(std::span<const PointSample> points) {
+  seen_.clear();
+  for (const auto i : members_)
+    if (!points[i].left_only) seen_.push_back(i);
+  if (seen_.size() < members_.size() && seen_.size() < kLeastPoints) seen_.clear();
+  return seen_;
+}
+
 // The members that have the object's velocity: all of them, but for limbs that swing.
-Members ObjectTable::trunk_of(std::span<const PointSample> points, const Tracked& tracked) {
-  if (!tracked.swings) return members_;
+Members ObjectTable::trunk_of(std::span<const PointSample> points, Members members,
+                              const Tracked& tracked) {
+  if (!tracked.swings) return members;
   trunk_.clear();
-  for (const auto i : members_) {
+  for (const auto i : members) {
     if (velocity_chi2(points[i], tracked.object.velocity_mps) < kLeaveChi2) trunk_.push_back(i);
   }
   return trunk_;
 }
 
-void ObjectTable::measure_motion(std::span<const PointSample> points, Tracked& tracked) {
+void ObjectTable::measure_motion(std::span<const PointSample> points, Members members,
+                                 Tracked& tracked) {
   MovingObject& object = tracked.object;
-  const Members trunk = trunk_of(points, tracked);
+  const Members trunk = trunk_of(points, members, tracked);
   if (trunk.empty()) return;
   const BodyMotion body =
       fit_body_motion(points, trunk, object.position_m, config_.error_correlation);

@@ -47,6 +47,9 @@ class ObjectTable {
 
   void report(std::vector<MovingObject>& objects) const;
   [[nodiscard]] std::int64_t owner(std::size_t track) const { return owners_[track]; }
+  // Whether a confirmed object that the track is of has this velocity.
+  [[nodiscard]] bool moves_with_owner(std::size_t track, const Eigen::Vector3d& velocity_mps,
+                                      const Eigen::Matrix3d& covariance_m2ps2) const;
 
   static constexpr std::size_t kMostObjects = kReservedObjects;
 
@@ -100,8 +103,10 @@ class ObjectTable {
   [[nodiscard]] bool belongs(const PointSample& point, const Tracked& tracked) const;
   void collect(std::span<const PointSample> points, const Tracked& tracked);
   void measure(const StereoCamera& camera, std::span<const PointSample> points, Tracked& tracked);
-  [[nodiscard]] Members trunk_of(std::span<const PointSample> points, const Tracked& tracked);
-  void measure_motion(std::span<const PointSample> points, Tracked& tracked);
+  [[nodiscard]] Members seen_by_both(std::span<const PointSample> points);
+  [[nodiscard]] Members trunk_of(std::span<const PointSample> points, Members members,
+                                 const Tracked& tracked);
+  void measure_motion(std::span<const PointSample> points, Members members, Tracked& tracked);
   void absorb_parts(const StereoCamera& camera, std::span<const PointSample> points);
   [[nodiscard]] bool is_proven(const Tracked& tracked) const;
   [[nodiscard]] bool is_proper(std::span<const PointSample> points, const Tracked& tracked) const;
@@ -118,6 +123,7 @@ class ObjectTable {
   std::vector<std::int64_t> previous_owners_;
   std::vector<std::uint64_t> previous_track_ids_;
   std::vector<Grouper::Index> members_;
+  std::vector<Grouper::Index> seen_;
   std::vector<Grouper::Index> trunk_;
   std::int64_t last_id_ = 0;
 };

@@ -50,8 +50,9 @@ struct PointSample {
   double motion_probability = 0.0;
   double evidence = 0.0;  // log likelihood ratio, moving over static
   bool moves = false;
-  bool leaps = false;   // by one long interval only
-  bool stands = false;  // neither of them: no opinion
+  bool leaps = false;      // by one long interval only
+  bool left_only = false;  // depth and motion are carried on from when the right camera saw it
+  bool stands = false;     // neither of them: no opinion
 };
 
 // The axis of largest error of a left position, (uu, uv, vv), if it is clearly larger than across.

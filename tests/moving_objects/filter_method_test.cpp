@@ -119,6 +119,53 @@ TEST_F(Filter, AHoleTellsNoMoreThanAnyOtherPair) {
   EXPECT_EQ(moving(), 1);
 }
 
+// At the left border, and behind something nearer, the right camera sees nothing of what the left
+// one does; its disparities there are of anything.
+class LeftOnly : public Filter, public ::testing::WithParamInterface<int> {
+ protected:
+  static constexpr std::size_t kFirst = 400;
+  static constexpr int kPairsBefore = 60;
+  void run_hidden(int pair) {
+    TrackSet tracks = world.tracks(pair);
+    const Egomotion motion = world.motion(tracks, pair);
+    for (Track& track : tracks.tracks) {
+      if (track.id <= kFirst) continue;
+      track.has_current = false;
+      track.left_only = true;
+      track.current.disparity_px *= 1.2F;
+    }
+    detector.detect(tracks, motion, objects);
+  }
+};
+
+TEST_P(LeftOnly, PointsCarryOnAKnownObject) {
+  world.add_background(kFirst);
+  world.add_box(30, {0.5, 0.1, 4.0}, {0.5, 0.5, 0.2}, {-0.4, 0.0, 0.0});
+  int pair = 0;
+  for (; pair < kPairsBefore; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  const Eigen::Vector3d before_m = objects.objects.front().position_m;
+  for (; pair < kPairsBefore + GetParam(); ++pair) {
+    run_hidden(pair);
+    ASSERT_EQ(moving(), 1) << "pair " << pair;
+  }
+  const MovingObject& object = objects.objects.front();
+  EXPECT_GE(object.points, 15);
+  const double nearer_m = world.rig_velocity_mps.z() * (world.time_s(GetParam()) - world.time_s(0));
+  EXPECT_NEAR(object.position_m.z(), before_m.z() - nearer_m, 0.05);
+  EXPECT_LT((object.velocity_mps - world.velocity_in_camera(kFirst, pair - 1)).norm(), 0.05);
+}
+
+INSTANTIATE_TEST_SUITE_P(Pairs, LeftOnly, ::testing::Values(1, 15));
+
+TEST_F(LeftOnly, PointsMakeNoObject) {
+  world.add_background(kFirst);
+  world.add_box(30, {0.5, 0.1, 4.0}, {0.5, 0.5, 0.2}, {-0.4, 0.0, 0.0});
+  run(0);
+  for (int pair = 1; pair < 30; ++pair) run_hidden(pair);
+  EXPECT_TRUE(objects.objects.empty());
+}
+
 TEST_F(Filter, FewThatAgreeAmongManyThatRestAreNoObjectAtOneHertz) {
   rest_rig();
   world.rate_hz = 1.0;

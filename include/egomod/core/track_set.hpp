@@ -29,7 +29,10 @@ struct Track {
   std::uint32_t age = 0;     // pairs since it was seeded; 0: seeded in this pair
   bool has_current = false;  // `current` is a valid stereo observation of this pair
   bool has_previous =
-      false;                // `previous` is a valid stereo observation of the previous tracked pair
+      false;  // `previous` is a valid stereo observation of the previous tracked pair
+  // What moves and has left the right image: `current` is where the left one shows it; the
+  // disparity is the last one, carried on.
+  bool left_only = false;
   bool reanchored = false;  // its template was renewed in this pair: the left position may step
   float ncc = 0.0F;         // template against this left image, -1..1
   float ncc_right = 0.0F;   // this left patch against this right image, -1..1
