@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <numbers>
+
 namespace egomod {
 namespace {
 
@@ -15,6 +17,16 @@ stage_latency_t latency_of(const char* stage, const LatencySummary& latency) {
   message.p99 = to_milliseconds(latency.p99);
   message.max = to_milliseconds(latency.max);
   return message;
+}
+
+std::string miscalibration(const RightCameraTurn& turn) {
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  return fmt::format(
+      "the right camera seems turned against its calibration by {:.2f}° in pitch, {:.2f}° ± "
+      "{:.2f}° "
+      "in yaw and {:.2f}° in roll; that is taken out as far as it is known: calibrate it anew",
+      kDegrees * turn.turn_rad.x(), kDegrees * turn.turn_rad.y(), kDegrees * turn.yaw_sigma_rad,
+      kDegrees * turn.turn_rad.z());
 }
 
 // Lowest bit first, as health_t wants it.
@@ -40,6 +52,7 @@ std::vector<std::string> sentences(std::int64_t faults, const HealthInputs& inpu
       {health_t::FAULT_IMAGES, fmt::format("{} images lost, {} dropped, {} messages damaged so far",
                                            inputs.source.lost_images, inputs.source.dropped_images,
                                            inputs.source.damaged_messages)},
+      {health_t::FAULT_MISCALIBRATED, miscalibration(inputs.run.right_turn)},
   };
   std::vector<std::string> texts;
   for (const auto& [bit, text] : all) {
@@ -114,6 +127,7 @@ std::int64_t HealthReporter::faults(const HealthInputs& inputs) const {
           inputs.source.dropped_images > before_.source.dropped_images ||
           inputs.source.damaged_messages > before_.source.damaged_messages,
       health_t::FAULT_IMAGES);
+  set(inputs.run.right_turn.is_off, health_t::FAULT_MISCALIBRATED);
   return bits;
 }
 

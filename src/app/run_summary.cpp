@@ -61,6 +61,7 @@ void RunSummary::add(const Frame& frame) {
   figures_.failed += motion.status == EstimateStatus::kFailed ? 1 : 0;
   figures_.ambiguous += motion.status == EstimateStatus::kAmbiguous ? 1 : 0;
   figures_.breaks += frame.pair.discontinuity ? 1 : 0;
+  figures_.right_turn = frame.tracks.right_turn;
   figures_.path_m += has_moved(motion) ? motion.T_previous_current.translation().norm() : 0.0;
   if (frame.objects.has_run) {
     add_objects(frame.objects);

@@ -28,6 +28,7 @@ struct RunFigures {
   std::uint64_t ambiguous = 0;
   std::uint64_t breaks = 0;
   double path_m = 0.0;
+  RightCameraTurn right_turn;
   std::map<std::int64_t, ObjectSummary> objects;  // those that moved, the first kMaxObjects
   std::uint64_t further_objects_pairs = 0;        // sightings of later ones
 };

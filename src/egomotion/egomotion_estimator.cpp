@@ -30,7 +30,8 @@ constexpr std::size_t kTracksToStartAnew = 20;
 constexpr double kRestMps = 0.02;
 constexpr double kRestRadps = 0.01;
 constexpr int kMostSolutionsForRows = 5;
-constexpr double kSameVelocity = 2e-3;  // m/s or rad/s
+constexpr double kSameVelocity = 2e-3;        // m/s or rad/s
+constexpr double kScaleOfHalfQuality = 0.02;  // standard deviation
 constexpr int kMaxAmbiguousQuality = 20;
 constexpr double kInliersOfFullQuality = 100.0;
 // Of the tracks: so many that are known to stand still, or without a map so many that move as one,
@@ -71,7 +72,8 @@ void EgomotionEstimator::estimate(const TrackSet& tracks, Egomotion& motion) {
 }
 
 EstimateReason EgomotionEstimator::reason_to_start_anew(const TrackSet& tracks) const {
-  if (started_ && tracks.camera != camera_) return EstimateReason::kRecalibrated;
+  if (started_ && (tracks.camera != camera_ || tracks.right_turn.has_changed))
+    return EstimateReason::kRecalibrated;
   const bool reseeded = tracks.status == TrackStatus::kReseeded ||
                         tracks.status == TrackStatus::kFirst ||
                         (is_lost_ && tracks.status == TrackStatus::kOk);
@@ -154,6 +156,7 @@ void EgomotionEstimator::start_anew(EstimateReason reason, const TrackSet& track
   pair_velocity_.clear();
   is_first_motion_ = true;
   second_error_per_s_.setZero();
+  second_error_of_scale_.setZero();
   rows_ = {};
   map_.clear();
   map_.align(tracks.tracks, 0.0);
@@ -365,7 +368,9 @@ void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution
   ++explained_pairs_;
   motion.reason = after_hole_ ? EstimateReason::kHole : EstimateReason::kNone;
   after_hole_ = false;
-  const double share = motion.inliers / static_cast<double>(correspondences_.size());
+  const Vector6d wrong_scale = error_of_scale(tracks, solution);
+  const double share = motion.inliers / static_cast<double>(correspondences_.size()) /
+                       (1.0 + std::pow(scale_sigma_ / kScaleOfHalfQuality, 2));
   motion.quality = std::clamp(
       static_cast<int>(
           std::lround(100 * share * std::min(1.0, motion.inliers / kInliersOfFullQuality))),
@@ -373,6 +378,7 @@ void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution
   motion.T_previous_current = solution.T_previous_current;
   const Matrix6d Ad = adjoint(solution.T_previous_current.inverse());
   motion.covariance_previous_current = solution.covariance + Ad * against_map_ * Ad.transpose();
+  motion.covariance_previous_current += wrong_scale * wrong_scale.transpose();
   pose_.compose(solution.T_previous_current,
                 lasting_share(tracks) * common_error_ * solution.covariance);
   if (config_.map) against_map_ = solution.covariance;
@@ -391,6 +397,25 @@ void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution
   if (learns) map_.change_readout(readout_.change_s());
   reference_exposure_ = tracks.exposure;
   wheels_prior_.keep(tracks, solution, dt_s_);
+}
+
+// Of the motion, by one standard deviation of what is not known of the right camera's turn: near
+// and far points then lie too near or too far, those at the median disparity by this share.
+Vector6d EgomotionEstimator::error_of_scale(const TrackSet& tracks, const Solution& solution) {
+  scale_sigma_ = 0.0;
+  Vector6d error = Vector6d::Zero();
+  if (!tracks.right_turn.is_off) return error;
+  scratch_.clear();
+  for (const Correspondence& c : correspondences_) scratch_.push_back(c.observed_px.z());
+  const double disparity_px = std::max(median(scratch_, 1.0), 1.0);
+  scale_sigma_ = tracks.camera.fx_px * tracks.right_turn.yaw_sigma_rad / disparity_px;
+  error.head<3>() = scale_sigma_ * solution.T_previous_current.translation();
+  // It lasts, as that of the rows does.
+  second_error_of_scale_ =
+      std::exp(-dt_s_) * adjoint(solution.T_previous_current.inverse()) * second_error_of_scale_ +
+      error;
+  pose_.doubt(dt_s_ * second_error_of_scale_ * second_error_of_scale_.transpose());
+  return error;
 }
 
 void EgomotionEstimator::keep_velocity(const Egomotion& motion) {

@@ -11,6 +11,7 @@
 #include "mover_search.hpp"
 #include "observation.hpp"
 #include "rig_motion.hpp"
+#include "right_turn.hpp"
 #include "seeding.hpp"
 #include "skew.hpp"
 #include "stereo_alignment.hpp"
@@ -35,6 +36,7 @@ constexpr float kMaxNccDrop = 0.06F;    // below the track's own level
 constexpr float kMaxDeviation = 0.45F;  // of the warp from the identity
 constexpr float kFirstNccLevel = 0.9F;
 constexpr float kRenewedNccLevel = 0.85F;
+constexpr std::size_t kMostRows = 150;  // that tell a turn of the right camera, a pair
 constexpr float kNccMemory = 0.98F;
 
 bool usable(const StereoPair& pair) {
@@ -144,12 +146,14 @@ class FeatureTracker::Implementation {
   TrackStore store_;
   RigMotion rig_motion_;
   Skew skew_;
+  RightTurn right_turn_{kMostRows};
   std::optional<Workers> workers_;
   std::array<StereoImages, 2> images_;
   std::size_t newest_ = 0;
   Calibration calibration_;
   bool first_ = true;
   bool restarted_ = false;
+  bool recalibrated_ = false;  // another turn of the right camera is taken out
   Nanoseconds last_exposure_{0};
   double last_interval_s_ = 0.0;
   bool is_slow_ = false;  // pairs are far apart
@@ -165,11 +169,15 @@ void FeatureTracker::Implementation::track(const StereoPair& pair, TrackSet& tra
   tracks.wheels = pair.wheels;
   tracks.T_body_camera = pair.calibration.T_body_camera;
   tracks.max_tracks = config_.max_tracks;
+  tracks.right_turn = {right_turn_.is_off(), right_turn_.turn_rad(), right_turn_.yaw_sigma_rad(),
+                       false};
   tracks.tracks.clear();
   tracks.status = TrackStatus::kNotRun;
   if (!usable(pair)) return;
 
   begin_pair(pair);
+  tracks.right_turn = {right_turn_.is_off(), right_turn_.turn_rad(), right_turn_.yaw_sigma_rad(),
+                       recalibrated_};
   follow();
   skew_.move(rig_motion_.T_current_previous());
   workers_->stereo.measure(previous(), current(), skew_, store_);
@@ -177,6 +185,8 @@ void FeatureTracker::Implementation::track(const StereoPair& pair, TrackSet& tra
   renew_anchors();
   const std::size_t survivors = store_.points().size();
   workers_->seeding.seed(current(), skew_, store_);
+  if (skew_.is_synchronised())
+    right_turn_.measure(pair.calibration.camera, current(), store_, last_interval_s_);
   publish(tracks);
   tracks.discontinuity = !first_ && restarted_;
   tracks.status = status(tracks, survivors);
@@ -202,8 +212,12 @@ void FeatureTracker::Implementation::begin_pair(const StereoPair& pair) {
       !workers_ || workers_->width_px != width_px || workers_->height_px != height_px;
   if (resized) workers_.emplace(config_, width_px, height_px);
   const bool moved = !first_ && moves_images(calibration_, pair.calibration);
+  const bool calibration_changed = first_ || !(calibration_ == pair.calibration);
   calibration_ = pair.calibration;
-  restarted_ = pair.discontinuity || resized || moved;
+  if (calibration_changed) right_turn_.forget();
+  recalibrated_ = right_turn_.take_change();
+  restarted_ = pair.discontinuity || resized || moved || recalibrated_;
+  skew_.turn_right_camera(right_turn_.turn_rad());
   if (restarted_) store_.clear();
   newest_ = 1 - newest_;
   current().take(pair);

@@ -45,6 +45,11 @@ void Skew::begin_pair(const StereoCamera& camera, Nanoseconds skew, Nanoseconds 
   if (!moving_on) velocity_.reset();
 }
 
+void Skew::turn_right_camera(const Eigen::Vector3d& turn_rad) {
+  turn_rad_ = turn_rad;
+  R_seen_calibrated_ = so3_exp(turn_rad);
+}
+
 // The velocity is that of the middle of the interval, and the skew has its middle elsewhere.
 void Skew::move(const std::optional<Eigen::Isometry3d>& T_current_previous) {
   T_later_current_.setIdentity();
@@ -67,7 +72,7 @@ void Skew::move(const std::optional<Eigen::Isometry3d>& T_current_previous) {
 // About the vertical only: a pitch or a roll changes disparities of either sign, which tells it
 // less well, and a base that drives hardly starts one at once.
 void Skew::turn(std::span<const Surprise> surprises) {
-  if (none() || surprises.size() < kMinSurprises) return;
+  if (is_synchronised() || surprises.size() < kMinSurprises) return;
   double yaw_px = 0.0;
   for (const double scale : kScales_px) {
     double H = scale * scale / (kTurn_px * kTurn_px);
@@ -91,6 +96,14 @@ void Skew::turn(std::span<const Surprise> surprises) {
   rotation_sigma_rad_ = kLeftOver_px / camera_.fx_px;
 }
 
+Eigen::Vector2d Skew::after_turn(const Eigen::Vector2d& right_px) const {
+  const Eigen::Vector3d ray =
+      R_seen_calibrated_ * Eigen::Vector3d((right_px.x() - camera_.cx_px) / camera_.fx_px,
+                                           (right_px.y() - camera_.cy_px) / camera_.fy_px, 1.0);
+  return {camera_.fx_px * ray.x() / ray.z() + camera_.cx_px,
+          camera_.fy_px * ray.y() / ray.z() + camera_.cy_px};
+}
+
 ImagePoint Skew::shift(ImagePoint left, float disparity_px) const {
   if (none()) return {};
   const double d = std::max(static_cast<double>(disparity_px), kMinDisparity_px);
@@ -98,8 +111,12 @@ ImagePoint Skew::shift(ImagePoint left, float disparity_px) const {
   const Eigen::Vector3d P = T_later_current_ * triangulate(camera_, now);
   if (P.z() < kMinDepth_m) return {};
   const Eigen::Vector3d later = project(camera_, P);
-  return {static_cast<float>(later.x() - later.z() - (now.x() - d)),
-          static_cast<float>(later.y() - now.y())};
+  const double lower_px = later.y() - now.y();
+  const double right_px = later.x() - later.z();
+  if (turn_rad_.isZero(0.0))
+    return {static_cast<float>(right_px - (now.x() - d)), static_cast<float>(lower_px)};
+  const Eigen::Vector2d seen = after_turn({right_px, later.y()});
+  return {static_cast<float>(seen.x() - (now.x() - d)), static_cast<float>(seen.y() - now.y())};
 }
 
 ImagePoint Skew::own_shift(ImagePoint own_motion) const {
@@ -114,7 +131,7 @@ float Skew::variance_px2(float disparity_px) const {
   const double sigma_px = camera_.fx_px * rotation_sigma_rad_ + static_cast<double>(disparity_px) /
                                                                     camera_.baseline_m *
                                                                     translation_sigma_m_;
-  return none() ? 0.0F : static_cast<float>(sigma_px * sigma_px);
+  return is_synchronised() ? 0.0F : static_cast<float>(sigma_px * sigma_px);
 }
 
 }  // namespace egomod

@@ -23,6 +23,8 @@ class Skew {
   // pair. Without `moving_on` nothing is known of the motion before.
   void begin_pair(const StereoCamera& camera, Nanoseconds skew, Nanoseconds interval,
                   bool moving_on);
+  // The right camera has turned since it was calibrated: see RightTurn.
+  void turn_right_camera(const Eigen::Vector3d& turn_rad);
   // As soon as this pair's motion is known, or that it cannot be. It goes on during the skew, and
   // so does its change since the last pair.
   void move(const std::optional<Eigen::Isometry3d>& T_current_previous);
@@ -37,7 +39,9 @@ class Skew {
   // it, and the shift becomes what they tell, for some pairs; small surprises are noise.
   void turn(std::span<const Surprise> surprises);
 
-  [[nodiscard]] bool none() const { return skew_s_ == 0.0; }
+  // Nothing displaces what the right image shows.
+  [[nodiscard]] bool none() const { return is_synchronised() && turn_rad_.isZero(0.0); }
+  [[nodiscard]] bool is_synchronised() const { return skew_s_ == 0.0; }
 
   // How far from its place in a right image without skew a resting point is seen.
   [[nodiscard]] ImagePoint shift(ImagePoint left, float disparity_px) const;
@@ -47,6 +51,8 @@ class Skew {
   [[nodiscard]] float variance_px2(float disparity_px) const;
 
  private:
+  [[nodiscard]] Eigen::Vector2d after_turn(const Eigen::Vector2d& right_px) const;
+
   StereoCamera camera_;
   double skew_s_ = 0.0;
   double interval_s_ = 0.0;
@@ -56,6 +62,8 @@ class Skew {
   double translation_sigma_m_ = 0.0;
   double rotation_sigma_rad_ = 0.0;
   int turns_in_a_row_ = 0;
+  Eigen::Vector3d turn_rad_ = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d R_seen_calibrated_ = Eigen::Matrix3d::Identity();
 };
 
 }  // namespace egomod

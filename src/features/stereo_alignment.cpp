@@ -220,7 +220,7 @@ StereoAlignment::StereoAlignment(int capacity, const DisparityConfig& config)
 
 void StereoAlignment::measure(const StereoImages& previous, const StereoImages& current, Skew& skew,
                               TrackStore& store) {
-  if (!skew.none()) {
+  if (!skew.is_synchronised()) {
     look_for_surprises(current, skew, store);
     skew.turn(surprises_);
   }

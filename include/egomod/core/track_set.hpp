@@ -50,6 +50,15 @@ enum class TrackStatus : std::uint8_t {
   kFew,       // too little texture: covered lens, white wall, darkness, blur
 };
 
+// How the right camera has turned since it was calibrated, as it seems; disparities are those of a
+// camera that has not.
+struct RightCameraTurn {
+  bool is_off = false;                                 // surely; else all is zero
+  Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero();  // rotation vector: pitch, yaw, roll
+  double yaw_sigma_rad = 0.0;  // of what is taken out: it puts all disparities off alike
+  bool has_changed = false;    // what is taken out, in this pair: no track reaches back
+};
+
 // The tracks of one pair, and what later stages need to know of it.
 struct TrackSet {
   std::uint64_t sequence = 0;
@@ -61,6 +70,7 @@ struct TrackSet {
   StereoCamera camera;
   std::optional<WheelPose> wheels{};
   Eigen::Isometry3d T_body_camera = default_T_body_camera();
+  RightCameraTurn right_turn{};
   int max_tracks = 0;         // as many as would be followed
   std::vector<Track> tracks;  // ascending id
 };

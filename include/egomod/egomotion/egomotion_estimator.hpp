@@ -88,6 +88,7 @@ class EgomotionEstimator {
   void doubt(const Solution& other, EstimateReason reason, Egomotion& motion);
   void fail(EstimateReason reason, const TrackSet& tracks, Egomotion& motion);
 
+  [[nodiscard]] Vector6d error_of_scale(const TrackSet& tracks, const Solution& solution);
   void keep_velocity(const Egomotion& motion);
   void adapt_noise_scale();
   void note_common_error();
@@ -108,6 +109,8 @@ class EgomotionEstimator {
   bool is_first_motion_ = true;  // since the map was begun
   // What a second of readout puts the motion of the last second or so off by.
   Vector6d second_error_per_s_ = Vector6d::Zero();
+  double scale_sigma_ = 0.0;  // by what is not known of the right camera's turn
+  Vector6d second_error_of_scale_ = Vector6d::Zero();
   PoseAccumulator pose_;
   // Of the last pose against the map: white, and part of the next motion's error. Zero without map.
   Matrix6d against_map_ = Matrix6d::Zero();
