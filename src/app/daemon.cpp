@@ -18,6 +18,7 @@
 #include "egomod/pipeline/pipeline.hpp"
 #include "egomod/publish/publisher.hpp"
 #include "egomod/publish/record_writer.hpp"
+#include "health.hpp"
 #include "logging.hpp"
 #include "record_check.hpp"
 #include "replay_report.hpp"
@@ -134,6 +135,9 @@ int run_to_the_end(const Config& config, bool quiet) {
     for (const std::string& loss :
          losses_of(pipeline.statistics(), stages.publisher().statistics(), source->counters())) {
       spdlog::warn("{}", loss);
+    }
+    if (const RightCameraTurn turn = stages.summary().figures().right_turn; turn.is_off) {
+      spdlog::warn("{}", miscalibration(turn));
     }
   }
   if (!failure.empty()) {

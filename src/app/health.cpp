@@ -19,16 +19,6 @@ stage_latency_t latency_of(const char* stage, const LatencySummary& latency) {
   return message;
 }
 
-std::string miscalibration(const RightCameraTurn& turn) {
-  constexpr double kDegrees = 180.0 / std::numbers::pi;
-  return fmt::format(
-      "the right camera seems turned against its calibration by {:.2f}° in pitch, {:.2f}° ± "
-      "{:.2f}° "
-      "in yaw and {:.2f}° in roll; that is taken out as far as it is known: calibrate it anew",
-      kDegrees * turn.turn_rad.x(), kDegrees * turn.turn_rad.y(), kDegrees * turn.yaw_sigma_rad,
-      kDegrees * turn.turn_rad.z());
-}
-
 // Lowest bit first, as health_t wants it.
 std::vector<std::string> sentences(std::int64_t faults, const HealthInputs& inputs) {
   const PipelineStatistics& pipeline = inputs.pipeline;
@@ -107,6 +97,16 @@ void fill(const HealthInputs& inputs, std::int64_t faults, health_t& message) {
 }
 
 }  // namespace
+
+std::string miscalibration(const RightCameraTurn& turn) {
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  return fmt::format(
+      "the right camera seems turned against its calibration by {:.2f}° in pitch, {:.2f}° (± "
+      "{:.2f}°) in yaw and {:.2f}° in roll; that is taken out as far as it is known: calibrate the "
+      "rig anew",
+      kDegrees * turn.turn_rad.x(), kDegrees * turn.turn_rad.y(), kDegrees * turn.yaw_sigma_rad,
+      kDegrees * turn.turn_rad.z());
+}
 
 std::int64_t HealthReporter::faults(const HealthInputs& inputs) const {
   const PipelineStatistics& now = inputs.pipeline;

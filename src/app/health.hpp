@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <egomod/health_t.hpp>
 #include <optional>
+#include <string>
 
 #include "egomod/capture/frame_source.hpp"
 #include "egomod/pipeline/pipeline_statistics.hpp"
@@ -23,6 +24,9 @@ struct HealthInputs {
   bool stopping = false;
   bool failed = false;
 };
+
+// A sentence for people.
+[[nodiscard]] std::string miscalibration(const RightCameraTurn& turn);
 
 // Turns counts since the start into EGOMOD_HEALTH: each second, and at once when the state or a
 // fault changes. A fault stands as long as its count grew within the last second.

@@ -42,6 +42,7 @@ constexpr double kToKeep = 0.5;  // of both
 constexpr std::size_t kLeastRows = 25;
 constexpr double kStep_rad = 4e-4;  // a fifth of a pixel
 constexpr double kFirstWait_s = 0.1;
+constexpr double kLongerWait = 4.0;  // each time
 
 RightTurn::Parameters row_jacobian(const StereoCamera& camera, const RightTurn::Row& row) {
   const double x = (row.right_px.x() - camera.cx_px) / camera.fx_px;
@@ -228,7 +229,7 @@ void RightTurn::decide(double dt_s) {
   turn_rad_ = turn_rad;
   yaw_sigma_rad_ = yaw_sigma_rad;
   has_changed_ = true;
-  to_wait_s_ = std::max(kFirstWait_s, 2 * to_wait_s_);
+  to_wait_s_ = std::max(kFirstWait_s, kLongerWait * to_wait_s_);
   waited_s_ = 0.0;
 }
 

@@ -87,6 +87,19 @@ TEST(HealthReporter, reports_each_second_and_at_once_when_a_fault_comes) {
   EXPECT_EQ(message.fault_bits, health_t::FAULT_NO_PAIRS);
 }
 
+TEST(HealthReporter, names_what_is_wrong_with_the_calibration) {
+  HealthReporter reporter;
+  health_t message;
+  HealthInputs inputs;
+  inputs.pipeline.captured = inputs.pipeline.published = 1;
+  inputs.run.right_turn = {.is_off = true, .turn_rad = {5e-3, -4e-3, 3e-3}, .yaw_sigma_rad = 1e-3};
+  ASSERT_TRUE(reporter.report(inputs, HealthReporter::Clock::now(), message));
+  EXPECT_EQ(message.state, health_t::STATE_DEGRADED);
+  EXPECT_EQ(message.fault_bits, health_t::FAULT_MISCALIBRATED);
+  ASSERT_EQ(message.n_faults, 1);
+  EXPECT_THAT(message.faults[0], HasSubstr("0.29° in pitch, -0.23° (± 0.06°) in yaw"));
+}
+
 TEST(HealthReporter, reports_lost_images_refused_calibrations_and_the_failure_of_the_run) {
   HealthReporter reporter;
   health_t message;
