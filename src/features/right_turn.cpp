@@ -25,12 +25,15 @@ constexpr float kModelError = 2.3F * 2.3F;  // as for observations
 // Of a knock, and of what else puts rows off: the right focal length, and the right camera's place
 // below and before the left one, over the baseline.
 constexpr double kPriorTurn_rad = 0.035;
+constexpr double kPriorYaw_rad = 0.01;  // less, since little tells it
 constexpr double kPriorRatio = 0.003;
 // And of the right lens's distortion, radial and by its being off the axis (k1, p1 of D. Brown).
 constexpr double kPriorLens = 0.005;
 constexpr double kPriorShiftedLens = 0.001;
 // The other half of the latter, p2, moves the rows alike.
-constexpr double kLensLikeYaw_rad = 1e-3;                      // at least
+constexpr double kLensLikeYaw_rad = 1e-3;  // at least
+// Where rows are wrong, so are many matches, and corners tell least of all.
+constexpr double kKnownYaw_rad = 1.5e-3;
 constexpr double kYawOfShiftedLens = 3.0;                      // times p1 as it is found
 constexpr std::array kScales{32.0, 16.0, 8.0, 4.0, 3.0, 3.0};  // standard deviations
 constexpr double kFormalSigmas = 3.0;  // a point's errors last for some pairs
@@ -39,7 +42,11 @@ constexpr double kSureSigmas = 4.0;
 // Real cameras were off by 0.4 mrad, 0.3 px, at most.
 constexpr double kLeastTurn_rad = 1.5e-3;
 constexpr double kToKeep = 0.5;  // of both
-constexpr std::size_t kLeastRows = 25;
+// Of rows that one turn explains, in the pairs that first tell it.
+constexpr std::ptrdiff_t kLeastRows = 25;
+constexpr double kLeastShare = 0.6;
+constexpr double kFits2 = 16.0;
+constexpr double kMostTurn_rad = 0.05;
 constexpr double kStep_rad = 4e-4;  // a fifth of a pixel
 constexpr double kFirstWait_s = 0.1;
 constexpr double kLongerWait = 4.0;  // each time
@@ -56,27 +63,31 @@ RightTurn::Parameters row_jacobian(const StereoCamera& camera, const RightTurn::
 
 RightTurn::Information prior() {
   constexpr double kTurn = 1 / (kPriorTurn_rad * kPriorTurn_rad);
+  constexpr double kYaw = 1 / (kPriorYaw_rad * kPriorYaw_rad);
   constexpr double kRatio = 1 / (kPriorRatio * kPriorRatio);
   constexpr double kLens = 1 / (kPriorLens * kPriorLens);
   constexpr double kShifted = 1 / (kPriorShiftedLens * kPriorShiftedLens);
   RightTurn::Parameters diagonal;
-  diagonal << kTurn, kTurn, kTurn, kRatio, kRatio, kRatio, kLens, kShifted;
+  diagonal << kTurn, kYaw, kTurn, kRatio, kRatio, kRatio, kLens, kShifted;
   return diagonal.asDiagonal();
 }
 
-// Level 1 first, so that rows that are some pixels off are found.
-bool align_coarsely(const StereoImages& images, PixelPosition pixel, AffineWarp& warp) {
-  const PixelPosition half{pixel.u_px / 2, pixel.v_px / 2};
-  if (!holds_template(images.left.level(1), half)) return false;
+// In a smaller image, so that rows that are some pixels off are found.
+bool align_coarsely(const StereoImages& images, PixelPosition pixel, int level, AffineWarp& warp) {
+  const float scale = 1.0F / static_cast<float>(1 << level);
+  const PixelPosition small{pixel.u_px >> level, pixel.v_px >> level};
+  if (!holds_template(images.left.level(level), small)) return false;
   AffineTemplate patch;
-  build_template(images.left.level(1), half.u_px, half.v_px, patch);
+  build_template(images.left.level(level), small.u_px, small.v_px, patch);
+  const ImagePoint start{
+      static_cast<float>(small.u_px) + scale * (warp.u_px - static_cast<float>(pixel.u_px)),
+      static_cast<float>(small.v_px) + scale * (warp.v_px - static_cast<float>(pixel.v_px))};
   AffineWarp coarse = warp;
-  coarse.u_px = static_cast<float>(half.u_px) + 0.5F * (warp.u_px - static_cast<float>(pixel.u_px));
-  coarse.v_px = static_cast<float>(half.v_px) + 0.5F * (warp.v_px - static_cast<float>(pixel.v_px));
-  const ImagePoint start{coarse.u_px, coarse.v_px};
-  if (align(images.right.level(1), patch, kMaxSteps, coarse).ncc < kMinNcc) return false;
-  warp.u_px += 2.0F * (coarse.u_px - start.u_px);
-  warp.v_px += 2.0F * (coarse.v_px - start.v_px);
+  coarse.u_px = start.u_px;
+  coarse.v_px = start.v_px;
+  if (align(images.right.level(level), patch, kMaxSteps, coarse).ncc < kMinNcc) return false;
+  warp.u_px += (coarse.u_px - start.u_px) / scale;
+  warp.v_px += (coarse.v_px - start.v_px) / scale;
   return true;
 }
 
@@ -97,7 +108,8 @@ bool find_row(const StereoImages& images, const FollowedPoint& point, double exp
                   .v_px = v_px + static_cast<float>(expected_px),
                   .a = 1.0F - s.slope_u,
                   .b = -s.slope_v};
-  if (coarsely && !align_coarsely(images, pixel, warp)) return false;
+  if (coarsely) static_cast<void>(align_coarsely(images, pixel, 2, warp));
+  if (coarsely && !align_coarsely(images, pixel, 1, warp)) return false;
   const AlignmentResult result = align(images.right.level(0), patch, kMaxSteps, warp);
   if (!result.converged || result.ncc < kMinNcc) return false;
   const float residual =
@@ -122,7 +134,8 @@ void RightTurn::forget() {
   sigma_.setConstant(kPriorTurn_rad);
   turn_rad_.setZero();
   yaw_sigma_rad_ = age_s_ = waited_s_ = to_wait_s_ = 0.0;
-  pairs_ = rows_known_ = 0;
+  pairs_ = 0;
+  fitting_rows_ = 0;
   is_off_ = has_changed_ = false;
 }
 
@@ -161,7 +174,6 @@ void RightTurn::learn(const StereoCamera& camera, std::span<const Row> rows, dou
   information_ *= keep;
   pull_ *= keep;
   age_s_ += dt_s;
-  rows_known_ += rows.size();
   fit(camera, rows);
   decide(dt_s);
 }
@@ -185,7 +197,14 @@ void RightTurn::fit(const StereoCamera& camera, std::span<const Row> rows) {
     const Information all = information_ + A + prior();
     estimate = all.ldlt().solve(pull_ + b);
   }
-  if (!estimate.allFinite()) return;
+  if (!estimate.allFinite() || estimate.head<3>().norm() > kMostTurn_rad) return;
+  const auto fits = [&](const Row& row) {
+    const double r = row.lower_px - row_jacobian(camera, row).dot(estimate);
+    return r * r < kFits2 * row.variance_px2;
+  };
+  const auto fitting = std::count_if(rows.begin(), rows.end(), fits);
+  const bool agree = static_cast<double>(fitting) > kLeastShare * static_cast<double>(rows.size());
+  fitting_rows_ = agree ? fitting_rows_ + fitting : 0;
   information_ += A;
   pull_ += b;
   estimate_ = estimate;
@@ -198,7 +217,7 @@ bool RightTurn::is_surely_off() const {
   const auto sure = [&](int k) {
     return std::abs(estimate_[k]) > asked * std::max(kLeastTurn_rad, kSureSigmas * sigma_[k]);
   };
-  return (is_off_ || rows_known_ >= kLeastRows) && (sure(0) || sure(2));
+  return (is_off_ || fitting_rows_ >= kLeastRows) && (sure(0) || sure(2));
 }
 
 bool RightTurn::is_worth_a_step(const Eigen::Vector3d& turn_rad) const {
@@ -220,9 +239,10 @@ void RightTurn::decide(double dt_s) {
     const double knock2 = 0.5 * (estimate_[0] * estimate_[0] + estimate_[2] * estimate_[2]);
     const double lens = kYawOfShiftedLens * sure_part(estimate_[7], sigma_[7]);
     const double rows2 = sigma_[1] * sigma_[1] + kLensLikeYaw_rad * kLensLikeYaw_rad + lens * lens;
-    const double share = knock2 / (knock2 + rows2);
+    const bool tells = sigma_[1] < kKnownYaw_rad;
+    const double share = tells ? knock2 / (knock2 + rows2) : 0.0;
     turn_rad = {estimate_[0], share * estimate_[1], estimate_[2]};
-    yaw_sigma_rad = std::sqrt(share * rows2);
+    yaw_sigma_rad = std::sqrt(tells ? share * rows2 : knock2);
   }
   const bool late = waited_s_ >= to_wait_s_ && is_worth_a_step(turn_rad);
   if (is_off_ == was_off && !(is_off_ && late)) return;
@@ -231,6 +251,9 @@ void RightTurn::decide(double dt_s) {
   has_changed_ = true;
   to_wait_s_ = std::max(kFirstWait_s, kLongerWait * to_wait_s_);
   waited_s_ = 0.0;
+  // Found along wrong rows, what was learnt is worth less than what comes now.
+  information_.setZero();
+  pull_.setZero();
 }
 
 }  // namespace egomod

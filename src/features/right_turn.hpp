@@ -65,7 +65,7 @@ class RightTurn {
   double waited_s_ = 0.0;   // since the last step...
   double to_wait_s_ = 0.0;  // ...and until the next
   std::size_t pairs_ = 0;
-  std::size_t rows_known_ = 0;
+  std::ptrdiff_t fitting_rows_ = 0;  // of the last pairs, as long as most agree
   bool is_off_ = false;
   bool has_changed_ = false;
 };
