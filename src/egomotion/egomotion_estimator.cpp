@@ -32,6 +32,7 @@ constexpr double kRestRadps = 0.01;
 constexpr int kMostSolutionsForRows = 5;
 constexpr double kSameVelocity = 2e-3;        // m/s or rad/s
 constexpr double kScaleOfHalfQuality = 0.02;  // standard deviation
+constexpr double kShareInDoubt = 0.5;
 constexpr int kMaxAmbiguousQuality = 20;
 constexpr double kInliersOfFullQuality = 100.0;
 // Of the tracks: so many that are known to stand still, or without a map so many that move as one,
@@ -301,7 +302,10 @@ EstimateReason EgomotionEstimator::judge(const Solution& solution, const Egomoti
   if (solution.failure == EstimateReason::kFewTracks) return solution.failure;
   const double share = motion.inliers / static_cast<double>(correspondences_.size());
   const Matrix6d& C = solution.covariance;
-  if (motion.inliers < config_.min_inliers || share < config_.min_inlier_share)
+  // What is taken for the world may be little of the image while a mover owns the rest.
+  const double least_share =
+      (rival_finder_.is_in_doubt() ? kShareInDoubt : 1.0) * config_.min_inlier_share;
+  if (motion.inliers < config_.min_inliers || share < least_share)
     return EstimateReason::kFewInliers;
   if (solution.failure != EstimateReason::kNone) return solution.failure;
   const bool determined =
@@ -317,15 +321,20 @@ EstimateReason EgomotionEstimator::judge(const Solution& solution, const Egomoti
 bool EgomotionEstimator::weigh_rival(const TrackSet& tracks, Solution& solution, Solution& other,
                                      Egomotion& motion) {
   if (tracks.previous_exposure != reference_exposure_) return false;
-  Rival rival;
+  Rival& rival = rival_;
   const std::span<const MapPoint> map = config_.map ? map_.points() : std::span<const MapPoint>{};
   const VelocityPrior prior{habit_, dt_s_, wheels_ ? &*wheels_ : nullptr};
   if (!rival_finder_.find(tracks, solution, motion.roles, map, noise_scale_, prior, rival))
     return false;
   other = rival.solution;
+
   if (!rival.preferred) return true;
   std::swap(solution, other);
   assign_roles(tracks, solution, motion);
+  if (!rival.against_map) return true;
+  // What the pose may be off by because of the pairs until now stays in its covariance.
+  to_other_pose_.setZero();
+  if (config_.map) map_.begin_again(rival.shares);
   return true;
 }
 
@@ -392,7 +401,7 @@ void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution
   is_first_motion_ = false;
   if (config_.map)
     map_.update(tracks.camera, tracks.tracks, pose_.T_first_current(), solution.covariance,
-                noise_scale_, contradicted, rows_,
+                noise_scale_, contradicted, !has_rival && !contradicted, rows_,
                 learns ? &readout_.motion_error_per_s() : nullptr);
   if (learns) map_.change_readout(readout_.change_s());
   reference_exposure_ = tracks.exposure;

@@ -15,15 +15,43 @@ namespace {
 constexpr double kHidden = 0.5;  // at most this share of a mover's tracks passes for static
 constexpr std::size_t kMinTracks = 20;
 constexpr double kMinShare = 0.1;
+// Squared distance from the estimate. The map may be off for a track that moves along with it.
+constexpr double kUnexplained2 = 3.0;
 constexpr double kMaxSurprise = 100.0;  // beyond it nothing is told apart any more
+// The same of a habit, which ends in doubt, since it is one of the two motions' then.
+constexpr double kMaxSurpriseOfHabit = 20.0;
+constexpr double kHabitLostS = 0.5;
 // Of a motion that the wheels confirm, while they do not confirm the estimate.
 constexpr std::size_t kMinTracksConfirmed = 10;
 constexpr double kMinShareConfirmed = 0.03;
 constexpr double kMinRatioConfirmed = 0.05;
+// Logarithms of how much more room the rival takes than the estimate. So much is chance, each more
+// speaks for it by that much.
+constexpr double kRoomByChance = 0.4;
+constexpr double kPerRoom = 16.0;
+constexpr double kMaxRoom = 2.0;
+constexpr double kRoomS = 0.3;             // over which it is averaged
+constexpr double kPairsWithoutRoom = 2.0;  // that the mean begins with
+constexpr double kForgottenRoom = 0.1;
+constexpr double kCellsWithRoom = 5.0;
+// A motion that takes more room counts with less of the image: from there on, how fast, at least.
+constexpr double kRoomToCount = 0.15;
+constexpr double kCountPerRoom = 3.0;
+constexpr double kLeastByRoom = 0.3;
+// How much longer the points of one have stood still than twice those of the other.
+constexpr double kPerStoodS = 8.0;
+constexpr double kMostStoodS = 3.0;
+constexpr double kStoodFadesS = 4.0;
+constexpr double kLeverM = 3.0;  // of turns, where velocities are compared
 
 double score(const Support& support) {
-  return std::log1p(support.cells) + std::log1p(support.known_static) -
-         0.5 * std::min(support.surprise, kMaxSurprise);
+  return std::log1p(support.cells) + std::log1p(support.known_static) - 0.5 * support.surprise;
+}
+
+double beyond_chance(double room) { return room - std::clamp(room, -kRoomByChance, kRoomByChance); }
+
+double velocity_distance(const Vector6d& a, const Vector6d& b) {
+  return (a - b).head<3>().norm() + kLeverM * (a - b).tail<3>().norm();
 }
 
 }  // namespace
@@ -33,18 +61,31 @@ bool RivalFinder::find(const TrackSet& tracks, const Solution& estimate,
                        double noise_scale, const VelocityPrior& prior, Rival& rival) {
   is_suspected_ = prior.wheels != nullptr && prior.wheels->surprise(estimate) > kSuspicion;
   const bool was_found = found_;
+  rival.preferred = rival.against_map = false;
+  is_measured_ = false;
   found_ = search(tracks, estimate, roles, map, noise_scale, prior, rival);
   if (!found_ && was_found && lingers(tracks, map)) {
-    rival = {.solution = last_, .preferred = false};
-    rival.solution.T_previous_current =
-        motion_of(velocity_of(last_.T_previous_current, last_dt_s_), prior.dt_s);
+    rival.solution = last_;
+    rival.solution.T_previous_current = motion_of(past_.other, prior.dt_s);
     found_ = true;
   }
-  if (found_) {
-    last_ = rival.solution;
-    last_dt_s_ = prior.dt_s;
+  past_.doubt_s = std::max(0.0, past_.doubt_s + (found_ ? prior.dt_s : -prior.dt_s));
+  const Solution& chosen = rival.preferred ? rival.solution : estimate;
+  past_.chosen = velocity_of(chosen.T_previous_current, prior.dt_s);
+  if (is_measured_) {
+    last_ = rival.preferred ? estimate : rival.solution;
+    past_.other = velocity_of(last_.T_previous_current, prior.dt_s);
+  } else if (!found_) {
+    forget(prior.dt_s);
   }
   return found_;
+}
+
+void RivalFinder::forget(double dt_s) {
+  const double kept = std::exp(-dt_s / kRoomS);
+  past_.room *= kept;
+  past_.stood_s *= kept;
+  if (std::abs(past_.room) < kForgottenRoom) past_.pairs = 0;
 }
 
 // A motion that one pair does not tell from the estimate may be there all the same: as long as the
@@ -72,11 +113,14 @@ bool RivalFinder::search(const TrackSet& tracks, const Solution& estimate,
                          std::span<const TrackRole> roles, std::span<const MapPoint> map,
                          double noise_scale, const VelocityPrior& prior, Rival& rival) {
   reserve(tracks.tracks.size());
+  rival.shares.reserve(tracks.tracks.size());
   if (!enough_outliers(tracks, roles)) return false;
-  gather(tracks, roles, noise_scale);
+  gather(tracks, roles, noise_scale, estimate);
   if (unexplained_.size() < least().tracks) return false;
-  rival.solution = is_suspected_ ? confirmed(tracks, estimate, *prior.wheels)
-                                 : among_unexplained(tracks, estimate.T_previous_current);
+  const Eigen::Isometry3d start =
+      found_ ? motion_of(past_.other, prior.dt_s) : estimate.T_previous_current;
+  rival.solution =
+      is_suspected_ ? confirmed(tracks, estimate, *prior.wheels) : among_unexplained(tracks, start);
   if (rival.solution.failure != EstimateReason::kNone) return false;
   vote(tracks, estimate.T_previous_current, rival.solution.T_previous_current, map);
   Support for_estimate;
@@ -85,11 +129,50 @@ bool RivalFinder::search(const TrackSet& tracks, const Solution& estimate,
   for_estimate.surprise = surprise(estimate, prior);
   for_rival.surprise = surprise(rival.solution, prior);
   if (is_suspected_ && for_rival.surprise > kSuspicion) is_suspected_ = false;  // not confirmed
+  weigh_past(estimate, rival.solution, prior.dt_s, for_estimate, for_rival);
   const auto [unused, share, ratio] = least();
-  if (for_rival.cells < std::max(share * occupied_cells(), ratio * for_estimate.cells))
+  const double by_room =
+      std::clamp(std::exp(kCountPerRoom * (kRoomToCount - past_.room)), kLeastByRoom, 1.0);
+  if (for_rival.cells < std::max(share * occupied_cells(), by_room * ratio * for_estimate.cells))
     return false;
   rival.preferred = prefers(for_rival, for_estimate, prior.wheels != nullptr);
+  if (rival.preferred) swap(tracks, for_estimate, for_rival, rival);
   return true;
+}
+
+// What has been seen of the two so far; which of them is which of the last pair's, velocity tells.
+void RivalFinder::weigh_past(const Solution& estimate, const Solution& rival, double dt_s,
+                             const Support& for_estimate, const Support& for_rival) {
+  const Vector6d e = velocity_of(estimate.T_previous_current, dt_s);
+  const Vector6d r = velocity_of(rival.T_previous_current, dt_s);
+  const bool crossed =
+      past_.pairs > 0 && velocity_distance(e, past_.other) + velocity_distance(r, past_.chosen) <
+                             velocity_distance(e, past_.chosen) + velocity_distance(r, past_.other);
+  if (crossed) past_.turn_round();
+  is_measured_ = true;
+  ++past_.pairs;
+  const double rate =
+      std::max(1.0 - std::exp(-dt_s / kRoomS), 1.0 / (past_.pairs + kPairsWithoutRoom));
+  const bool tells = std::min(for_estimate.cells, for_rival.cells) >= kCellsWithRoom;
+  const double room = tells ? std::clamp(log_room(true) - log_room(false), -kMaxRoom, kMaxRoom) : 0;
+  past_.room += rate * (room - past_.room);
+  const auto stood_s = [dt_s](const Support& support) {
+    return std::min(kMostStoodS, dt_s * support.stood / std::max(1.0, support.cells));
+  };
+  const double longer_s = std::max(0.0, stood_s(for_rival) - 2.0 * stood_s(for_estimate)) -
+                          std::max(0.0, stood_s(for_estimate) - 2.0 * stood_s(for_rival));
+  past_.stood_s *= std::exp(-dt_s / kStoodFadesS);
+  if (std::abs(longer_s) > std::abs(past_.stood_s)) past_.stood_s = longer_s;
+}
+
+// The rival is what is chosen from now on.
+void RivalFinder::swap(const TrackSet& tracks, const Support& for_estimate,
+                       const Support& for_rival, Rival& rival) {
+  past_.turn_round();
+  rival.against_map = for_rival.known_static < for_estimate.known_static;
+  if (!rival.against_map) return;
+  past_.stood_s = 0.0;
+  share_out(tracks, rival);
 }
 
 Solution RivalFinder::among_unexplained(const TrackSet& tracks, const Eigen::Isometry3d& start) {
@@ -116,21 +199,6 @@ void RivalFinder::reserve(std::size_t points) {
   by_rival_.reserve(points + kResidualLanes);
 }
 
-RivalFinder::Cell& RivalFinder::cell_of(const StereoCamera& camera,
-                                        const Eigen::Vector3d& observed_px) {
-  const auto place = [](double x_px, int size_px, int count) {
-    return std::clamp(static_cast<int>(count * x_px / std::max(1, size_px)), 0, count - 1);
-  };
-  const int column = place(observed_px.x(), camera.width_px, kColumns);
-  const int row = place(observed_px.y(), camera.height_px, kRows);
-  return cells_[static_cast<std::size_t>(row * kColumns + column)];
-}
-
-double RivalFinder::occupied_cells() const {
-  return static_cast<double>(
-      std::count_if(cells_.begin(), cells_.end(), [](const Cell& c) { return c.tracks > 0; }));
-}
-
 bool RivalFinder::enough_outliers(const TrackSet& tracks, std::span<const TrackRole> roles) {
   clear_cells();
   for (std::size_t k = 0; k < roles.size(); ++k) {
@@ -145,9 +213,8 @@ bool RivalFinder::enough_outliers(const TrackSet& tracks, std::span<const TrackR
 }
 
 void RivalFinder::gather(const TrackSet& tracks, std::span<const TrackRole> roles,
-                         double noise_scale) {
+                         double noise_scale, const Solution& estimate) {
   all_.clear();
-  unexplained_.clear();
   for (std::size_t k = 0; k < tracks.tracks.size(); ++k) {
     const Track& track = tracks.tracks[k];
     Correspondence c;
@@ -159,41 +226,17 @@ void RivalFinder::gather(const TrackSet& tracks, std::span<const TrackRole> role
     c.observed_px = uvd(track.current);
     c.covariance_observed_px2 = noise_scale * covariance(track.current);
     all_.push_back(c);
-    if (roles[k] == TrackRole::kOutlier) unexplained_.push_back(c);
   }
-}
-
-void RivalFinder::vote(const TrackSet& tracks, const Eigen::Isometry3d& T_estimate,
-                       const Eigen::Isometry3d& T_rival, std::span<const MapPoint> map) {
-  clear_cells();
-  whitened_.prepare(tracks.camera, all_, T_estimate);
-  whitened_.measure_distances2(T_estimate.inverse(), by_estimate_);
-  whitened_.measure_distances2(T_rival.inverse(), by_rival_);
-  for (std::size_t k = 0; k < all_.size(); ++k) {
-    Cell& cell = cell_of(tracks.camera, all_[k].observed_px);
-    ++cell.tracks;
-    const bool fits_estimate = by_estimate_[k] < kChi2Of3At99Percent;
-    const bool fits_rival = by_rival_[k] < kChi2Of3At99Percent;
-    if (fits_estimate == fits_rival) continue;
-    Votes& votes = fits_estimate ? cell.estimate : cell.rival;
-    ++votes.tracks;
-    if (!map.empty()) votes.knowledge += known_static(map[all_[k].track]);
-  }
-}
-
-void RivalFinder::count_support(Support& estimate, Support& rival) const {
-  for (const Cell& cell : cells_) {
-    const int all = cell.estimate.tracks + cell.rival.tracks;
-    if (all == 0) continue;
-    estimate.cells += static_cast<double>(cell.estimate.tracks) / all;
-    rival.cells += static_cast<double>(cell.rival.tracks) / all;
-    estimate.known_static += cell.estimate.knowledge / all;
-    rival.known_static += cell.rival.knowledge / all;
-  }
+  whitened_.prepare(tracks.camera, all_, estimate.T_previous_current);
+  whitened_.measure_distances2(estimate.T_previous_current.inverse(), by_estimate_);
+  unexplained_.clear();
+  for (std::size_t k = 0; k < all_.size(); ++k)
+    if (roles[all_[k].track] == TrackRole::kOutlier && by_estimate_[k] > kUnexplained2)
+      unexplained_.push_back(all_[k]);
 }
 
 double RivalFinder::surprise(const Solution& solution, const VelocityPrior& prior) const {
-  if (prior.wheels != nullptr) return prior.wheels->surprise(solution);
+  if (prior.wheels != nullptr) return std::min(prior.wheels->surprise(solution), kMaxSurprise);
   const Vector6d y = velocity_of(solution.T_previous_current, prior.dt_s);
   const Matrix6d to_velocity = motion_perturbation_of_velocity(y, prior.dt_s).inverse();
   const Matrix6d change = diagonal_covariance(config_.acceleration_sigma_mps2 * prior.dt_s,
@@ -201,13 +244,16 @@ double RivalFinder::surprise(const Solution& solution, const VelocityPrior& prio
   const Matrix6d S =
       prior.past.covariance + change + to_velocity * solution.covariance * to_velocity.transpose();
   const Vector6d innovation = y - prior.past.y;
-  return innovation.dot(S.ldlt().solve(innovation));
+  return std::exp(-past_.doubt_s / kHabitLostS) *
+         std::min(innovation.dot(S.ldlt().solve(innovation)), kMaxSurpriseOfHabit);
 }
 
 // With wheels a mover may own all but little of the image.
 bool RivalFinder::prefers(const Support& rival, const Support& estimate, bool has_wheels) const {
-  if (!has_wheels && rival.cells > config_.overwhelming_ratio * estimate.cells) return true;
-  return score(rival) > score(estimate);
+  if (!has_wheels && past_.room >= 0.0 && rival.cells > config_.overwhelming_ratio * estimate.cells)
+    return true;
+  return score(rival) + kPerRoom * beyond_chance(past_.room) + kPerStoodS * past_.stood_s >
+         score(estimate);
 }
 
 }  // namespace egomod

@@ -94,7 +94,7 @@ Innovation innovation_in_image(const View& view, const MapPoint& point, const Ei
   return i;
 }
 
-void fuse(const TrackMapConfig& config, const Innovation& i, MapPoint& point) {
+void fuse(const TrackMapConfig& config, const Innovation& i, bool is_told, MapPoint& point) {
   const Eigen::Matrix3d S_inverse = i.S.inverse();
   const double distance2 = i.r.dot(S_inverse * i.r);
   if (!std::isfinite(distance2)) return;
@@ -107,6 +107,7 @@ void fuse(const TrackMapConfig& config, const Innovation& i, MapPoint& point) {
   const bool fits = distance2 < kChi2Of3At99Percent;
   const double rate = fits ? config.trust_rate : config.distrust_rate;
   point.static_weight += rate * ((fits ? 1.0 : 0.0) - point.static_weight);
+  if (is_told) point.stood = std::max(0, point.stood + (fits ? 1 : -1));
   ++point.updates;
 }
 
@@ -134,7 +135,7 @@ void TrackMap::align(std::span<const Track> tracks, double dt_s) {
 
 void TrackMap::update(const StereoCamera& camera, std::span<const Track> tracks,
                       const Eigen::Isometry3d& T_first_current, const Matrix6d& pose_covariance,
-                      double noise_scale, bool is_doubted, const RowTiming& rows,
+                      double noise_scale, bool is_doubted, bool is_told, const RowTiming& rows,
                       const Vector6d* motion_error_per_s) {
   const View view{camera, T_first_current,   T_first_current.inverse(), pose_covariance,
                   rows,   motion_error_per_s};
@@ -147,6 +148,7 @@ void TrackMap::update(const StereoCamera& camera, std::span<const Track> tracks,
     if (point.updates > 0 && point.static_weight < config_.reset_below_weight) {
       point.updates = 0;
       point.doubted = 0;
+      point.earlier = 0;
       point.static_weight = kWeightAfterReset;
     }
     if (point.updates == 0) {
@@ -161,11 +163,23 @@ void TrackMap::update(const StereoCamera& camera, std::span<const Track> tracks,
     const bool young = point.updates <= config_.linear_updates;
     fuse(config_,
          young ? innovation_in_space(view, point, z, R) : innovation_in_image(view, point, z, R),
-         point);
+         is_told, point);
     if (motion_error_per_s != nullptr)
       point.row_error_m_per_s -=
           T_first_current.linear() *
           (pose_jacobian_in_space(view.T_current_first * point.P_first_m) * *motion_error_per_s);
+  }
+}
+
+void TrackMap::begin_again(std::span<const double> shares) {
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    MapPoint& point = points_[k];
+    const bool belongs = shares[k] > kGivenUpBelow;
+    point.earlier = belongs ? point.earlier + point.updates : 0;
+    if (!belongs) point.stood = 0;
+    point.updates = 0;
+    point.doubted = 0;
+    point.static_weight = std::max(kWeightAfterReset, shares[k]);
   }
 }
 

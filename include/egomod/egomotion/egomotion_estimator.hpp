@@ -100,6 +100,7 @@ class EgomotionEstimator {
   GaussNewtonSolver gauss_newton_;
   SigmaPointSolver sigma_point_;
   RivalFinder rival_finder_;
+  Rival rival_;
   WheelsPrior wheels_prior_;
   std::optional<WheelsMotion> wheels_;  // of this pair
   TrackMap map_;

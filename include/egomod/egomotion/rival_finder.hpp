@@ -36,6 +36,7 @@ struct RivalConfig {
 struct Support {
   double cells = 0.0;
   double known_static = 0.0;  // of them, weighted by how long and how surely they stood still
+  double stood = 0.0;         // of them, pairs without doubt that they stood still in
   double surprise = 0.0;      // squared Mahalanobis distance from what the prior expects
 };
 
@@ -50,13 +51,17 @@ struct VelocityPrior {
 struct Rival {
   Solution solution;  // of the second motion, between the last two pairs
   bool preferred = false;
+  // Preferred although the map knows the other one's points better; then `shares` says of each
+  // track how surely it belongs to the rival.
+  bool against_map = false;
+  std::vector<double> shares;
 };
 
 // When movers own many tracks, geometry cannot tell whether they move or the rig does. Looks for
 // one motion that explains the tracks which the estimate does not, and weighs it against the
-// estimate by the past: tracks known to stand still, and constant velocity or the wheels. When the
-// wheels contradict the estimate it looks for far less: any motion that they confirm. Threads: one
-// caller.
+// estimate by the past: tracks known to stand still, and constant velocity or the wheels; and by
+// room: a mover is in one place, while the world is all around it and behind it. When the wheels
+// contradict the estimate it looks for far less: any motion that they confirm. Threads: one caller.
 class RivalFinder {
  public:
   RivalFinder(const RivalConfig& config, const GaussNewtonConfig& gauss_newton,
@@ -69,7 +74,13 @@ class RivalFinder {
                           std::span<const TrackRole> roles, std::span<const MapPoint> map,
                           double noise_scale, const VelocityPrior& prior, Rival& rival);
 
-  void reset() { found_ = false; }
+  // Whether another motion came near in the last pair.
+  [[nodiscard]] bool is_in_doubt() const { return found_; }
+
+  void reset() {
+    found_ = false;
+    past_ = {};
+  }
 
  private:
   // What a second motion needs to count.
@@ -78,6 +89,21 @@ class RivalFinder {
     double share;  // of all cells, that tell the two motions apart
     double ratio;  // of its support to the estimate's
   };
+  // What the pairs so far say of the two motions; the ratios are the rival's to the estimate's.
+  struct Past {
+    Vector6d chosen = Vector6d::Zero();  // velocity in the last pair, and of the other motion
+    Vector6d other = Vector6d::Zero();
+    double room = 0.0;     // logarithm of the ratio
+    double stood_s = 0.0;  // how much longer its points are known to have stood still
+    double doubt_s = 0.0;  // how long there have been two
+    int pairs = 0;         // that told
+
+    void turn_round() {
+      room = -room;
+      stood_s = -stood_s;
+    }
+  };
+  enum class Side : std::uint8_t { kNone, kEstimate, kRival };
   [[nodiscard]] Least least() const;
   [[nodiscard]] bool search(const TrackSet& tracks, const Solution& estimate,
                             std::span<const TrackRole> roles, std::span<const MapPoint> map,
@@ -88,16 +114,30 @@ class RivalFinder {
                                    const WheelsMotion& wheels);
   void reserve(std::size_t points);
   [[nodiscard]] bool enough_outliers(const TrackSet& tracks, std::span<const TrackRole> roles);
-  void gather(const TrackSet& tracks, std::span<const TrackRole> roles, double noise_scale);
+  void gather(const TrackSet& tracks, std::span<const TrackRole> roles, double noise_scale,
+              const Solution& estimate);
+  [[nodiscard]] Side side_of(std::size_t index, const StereoCamera& camera,
+                             const Eigen::Isometry3d& T_estimate_previous,
+                             const Eigen::Isometry3d& T_rival_previous,
+                             const MapPoint* point) const;
   void vote(const TrackSet& tracks, const Eigen::Isometry3d& T_estimate,
             const Eigen::Isometry3d& T_rival, std::span<const MapPoint> map);
   void count_support(Support& estimate, Support& rival) const;
+  [[nodiscard]] double log_room(bool of_rival) const;
+  void weigh_past(const Solution& estimate, const Solution& rival, double dt_s,
+                  const Support& for_estimate, const Support& for_rival);
+  void forget(double dt_s);
+  void swap(const TrackSet& tracks, const Support& for_estimate, const Support& for_rival,
+            Rival& rival);
+  void share_out(const TrackSet& tracks, Rival& rival);
   [[nodiscard]] double surprise(const Solution& solution, const VelocityPrior& prior) const;
   [[nodiscard]] bool prefers(const Support& rival, const Support& estimate, bool has_wheels) const;
 
   struct Votes {
     int tracks = 0;
+    int stood = 0;  // pairs, of all
     double knowledge = 0.0;
+    double log_depth = 0.0;
   };
   struct Cell {
     int tracks = 0;
@@ -109,9 +149,10 @@ class RivalFinder {
   [[nodiscard]] double occupied_cells() const;
 
   RivalConfig config_;
-  bool found_ = false;  // in the last pair
-  Solution last_;       // of the rival then
-  double last_dt_s_ = 0.0;
+  bool found_ = false;        // in the last pair
+  Solution last_;             // of the motion that was not chosen then
+  bool is_measured_ = false;  // in this pair
+  Past past_;
   bool is_suspected_ = false;  // the estimate, by the wheels
   static constexpr int kColumns = 16;
   static constexpr int kRows = 12;

@@ -28,6 +28,8 @@ struct MapPoint {
   std::uint64_t track_id = 0;
   int updates = 0;  // 0: position unknown
   int doubted = 0;  // of them, while the wheels contradicted
+  int earlier = 0;  // updates before the map began again
+  int stood = 0;    // pairs without doubt that it stood still in, less those that it moved in
   Eigen::Vector3d P_first_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();
   double static_weight = 1.0;
@@ -55,12 +57,15 @@ class TrackMap {
 
   // Fuses what the current pair sees from the given pose. `pose_covariance`: right perturbation.
   // `noise_scale` multiplies the observations' covariance. `is_doubted`: that the points stand
-  // still is not known from this pair. `motion_error_per_s`: see ReadoutLearner,
-  // nullptr when the readout is not to be learnt.
+  // still is not known from this pair. `is_told`: that no other motion may be the rig's instead.
+  // `motion_error_per_s`: see ReadoutLearner, nullptr when the readout is not to be learnt.
   void update(const StereoCamera& camera, std::span<const Track> tracks,
               const Eigen::Isometry3d& T_first_current, const Matrix6d& pose_covariance,
-              double noise_scale, bool is_doubted = false, const RowTiming& rows = {},
-              const Vector6d* motion_error_per_s = nullptr);
+              double noise_scale, bool is_doubted = false, bool is_told = true,
+              const RowTiming& rows = {}, const Vector6d* motion_error_per_s = nullptr);
+  // Another motion than so far is the world's: points stand where the next update sees them, and
+  // are trusted by their shares.
+  void begin_again(std::span<const double> shares);
   // Points of the map's first pair were seen when no velocity was known yet: it was this one.
   void note_first_velocity(const StereoCamera& camera, const Eigen::Isometry3d& T_first_previous,
                            const Vector6d& velocity);
