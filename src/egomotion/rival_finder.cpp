@@ -42,6 +42,7 @@ constexpr double kLeastByRoom = 0.3;
 constexpr double kPerStoodS = 8.0;
 constexpr double kMostStoodS = 3.0;
 constexpr double kStoodFadesS = 4.0;
+constexpr double kSurelyAcross = 0.5;
 constexpr double kLeverM = 3.0;  // of turns, where velocities are compared
 
 double score(const Support& support) {
@@ -145,19 +146,20 @@ void RivalFinder::weigh_past(const Solution& estimate, const Solution& rival, do
                              const Support& for_estimate, const Support& for_rival) {
   const Vector6d e = velocity_of(estimate.T_previous_current, dt_s);
   const Vector6d r = velocity_of(rival.T_previous_current, dt_s);
-  const bool crossed =
-      past_.pairs > 0 && velocity_distance(e, past_.other) + velocity_distance(r, past_.chosen) <
-                             velocity_distance(e, past_.chosen) + velocity_distance(r, past_.other);
+  const double straight = velocity_distance(e, past_.chosen) + velocity_distance(r, past_.other);
+  const double across = velocity_distance(e, past_.other) + velocity_distance(r, past_.chosen);
+  const bool crossed = past_.pairs > 0 && across < kSurelyAcross * straight;
   if (crossed) past_.turn_round();
   is_measured_ = true;
   ++past_.pairs;
   const double rate =
       std::max(1.0 - std::exp(-dt_s / kRoomS), 1.0 / (past_.pairs + kPairsWithoutRoom));
-  const bool tells = std::min(for_estimate.cells, for_rival.cells) >= kCellsWithRoom;
+  const bool tells =
+      std::min(for_estimate.cells_with_followed, for_rival.cells_with_followed) >= kCellsWithRoom;
   const double room = tells ? std::clamp(log_room(true) - log_room(false), -kMaxRoom, kMaxRoom) : 0;
   past_.room += rate * (room - past_.room);
   const auto stood_s = [dt_s](const Support& support) {
-    return std::min(kMostStoodS, dt_s * support.stood / std::max(1.0, support.cells));
+    return std::min(kMostStoodS, dt_s * support.stood / std::max(1.0, support.cells_with_followed));
   };
   const double longer_s = std::max(0.0, stood_s(for_rival) - 2.0 * stood_s(for_estimate)) -
                           std::max(0.0, stood_s(for_estimate) - 2.0 * stood_s(for_rival));

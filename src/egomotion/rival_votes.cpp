@@ -11,8 +11,7 @@
 namespace egomod {
 namespace {
 
-// A point that both motions explain in this pair belongs to the one that it has followed, once the
-// two would have displaced it by so much.
+// Once the two motions would have displaced a point by so much, it tells which of them it follows.
 constexpr double kDisplacedPx = 3.0;
 constexpr int kMostPairsDisplaced = 30;
 // Standard deviations of a thing that is flat, in widths and heights of the image and in depth.
@@ -39,19 +38,10 @@ double RivalFinder::occupied_cells() const {
       std::count_if(cells_.begin(), cells_.end(), [](const Cell& c) { return c.tracks > 0; }));
 }
 
-RivalFinder::Side RivalFinder::side_of(std::size_t index, const StereoCamera& camera,
-                                       const Eigen::Isometry3d& T_estimate_previous,
-                                       const Eigen::Isometry3d& T_rival_previous,
-                                       const MapPoint* point) const {
-  const bool fits_estimate = by_estimate_[index] < kChi2Of3At99Percent;
-  const bool fits_rival = by_rival_[index] < kChi2Of3At99Percent;
-  if (fits_estimate != fits_rival) return fits_estimate ? Side::kEstimate : Side::kRival;
-  if (!fits_estimate || point == nullptr) return Side::kNone;
-  if (is_given_up(*point)) return Side::kRival;
-  const Eigen::Vector3d& P = all_[index].P_previous_m;
-  const Eigen::Vector2d apart_px =
-      (project(camera, T_estimate_previous * P) - project(camera, T_rival_previous * P)).head<2>();
-  const int pairs = std::min(point->updates + point->earlier, kMostPairsDisplaced);
+// A point that both motions explain in this pair belongs to the one that it has followed so far.
+RivalFinder::Side RivalFinder::followed(const MapPoint& point, const Eigen::Vector2d& apart_px) {
+  if (is_given_up(point)) return Side::kRival;
+  const int pairs = std::min(point.updates + point.earlier, kMostPairsDisplaced);
   return pairs * apart_px.norm() > kDisplacedPx ? Side::kEstimate : Side::kNone;
 }
 
@@ -59,29 +49,45 @@ void RivalFinder::vote(const TrackSet& tracks, const Eigen::Isometry3d& T_estima
                        const Eigen::Isometry3d& T_rival, std::span<const MapPoint> map) {
   clear_cells();
   whitened_.measure_distances2(T_rival.inverse(), by_rival_);
+  const auto place_px = [&](const Eigen::Isometry3d& T, std::size_t k) -> Eigen::Vector2d {
+    return project(tracks.camera, T.inverse() * all_[k].P_previous_m).head<2>();
+  };
   for (std::size_t k = 0; k < all_.size(); ++k) {
     Cell& cell = cell_of(tracks.camera, all_[k].observed_px);
     ++cell.tracks;
+    const bool fits_estimate = by_estimate_[k] < kChi2Of3At99Percent;
+    const bool fits_rival = by_rival_[k] < kChi2Of3At99Percent;
+    if (!fits_estimate && !fits_rival) continue;
     const MapPoint* point = map.empty() ? nullptr : &map[all_[k].track];
-    const Side side = side_of(k, tracks.camera, T_estimate.inverse(), T_rival.inverse(), point);
+    Side side = fits_estimate ? Side::kEstimate : Side::kRival;
+    if (fits_estimate && fits_rival)
+      side = point == nullptr ? Side::kNone
+                              : followed(*point, place_px(T_estimate, k) - place_px(T_rival, k));
     if (side == Side::kNone) continue;
     Votes& votes = side == Side::kEstimate ? cell.estimate : cell.rival;
-    ++votes.tracks;
+    ++votes.with_followed;
     votes.log_depth += std::log(all_[k].P_previous_m.z());
-    if (point == nullptr) continue;
-    votes.knowledge += known_static(*point);
-    votes.stood += point->stood;
+    if (point != nullptr) votes.stood += point->stood;
+    if (fits_estimate == fits_rival) continue;
+    ++votes.tracks;
+    if (point != nullptr) votes.knowledge += known_static(*point);
   }
 }
 
 void RivalFinder::count_support(Support& estimate, Support& rival) const {
   for (const Cell& cell : cells_) {
+    const int with_followed = cell.estimate.with_followed + cell.rival.with_followed;
+    if (with_followed > 0) {
+      estimate.cells_with_followed +=
+          static_cast<double>(cell.estimate.with_followed) / with_followed;
+      rival.cells_with_followed += static_cast<double>(cell.rival.with_followed) / with_followed;
+      estimate.stood += static_cast<double>(cell.estimate.stood) / with_followed;
+      rival.stood += static_cast<double>(cell.rival.stood) / with_followed;
+    }
     const int all = cell.estimate.tracks + cell.rival.tracks;
     if (all == 0) continue;
     estimate.cells += static_cast<double>(cell.estimate.tracks) / all;
     rival.cells += static_cast<double>(cell.rival.tracks) / all;
-    estimate.stood += static_cast<double>(cell.estimate.stood) / all;
-    rival.stood += static_cast<double>(cell.rival.stood) / all;
     estimate.known_static += cell.estimate.knowledge / all;
     rival.known_static += cell.rival.knowledge / all;
   }
@@ -99,12 +105,13 @@ double RivalFinder::log_room(bool of_rival) const {
     for (int k = 0; k < kColumns * kRows; ++k) {
       const Cell& cell = cells_[static_cast<std::size_t>(k)];
       const Votes& own = of_rival ? cell.rival : cell.estimate;
-      if (own.tracks == 0) continue;
+      if (own.with_followed == 0) continue;
       const Eigen::Vector3d x{static_cast<double>(k % kColumns) / kColumns,
                               static_cast<double>(k / kColumns) / kRows,
-                              own.log_depth / own.tracks};
+                              own.log_depth / own.with_followed};
       if ((x - mean).dot(information * (x - mean)) > kTrimmedDistance2) continue;
-      const double w = own.tracks / static_cast<double>(cell.estimate.tracks + cell.rival.tracks);
+      const double w = own.with_followed /
+                       static_cast<double>(cell.estimate.with_followed + cell.rival.with_followed);
       n += w;
       sum += w * x;
       squares += w * x * x.transpose();
@@ -124,8 +131,8 @@ void RivalFinder::share_out(const TrackSet& tracks, Rival& rival) {
   for (std::size_t k = 0; k < tracks.tracks.size(); ++k) {
     if (!tracks.tracks[k].has_current) continue;
     const Cell& cell = cell_of(tracks.camera, uvd(tracks.tracks[k].current));
-    const int all = cell.estimate.tracks + cell.rival.tracks;
-    if (all > 0) rival.shares[k] = static_cast<double>(cell.rival.tracks) / all;
+    const int all = cell.estimate.with_followed + cell.rival.with_followed;
+    if (all > 0) rival.shares[k] = static_cast<double>(cell.rival.with_followed) / all;
   }
   for (std::size_t k = 0; k < all_.size(); ++k) {
     const bool fits_estimate = by_estimate_[k] < kChi2Of3At99Percent;

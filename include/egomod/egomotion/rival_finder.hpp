@@ -36,8 +36,9 @@ struct RivalConfig {
 struct Support {
   double cells = 0.0;
   double known_static = 0.0;  // of them, weighted by how long and how surely they stood still
-  double stood = 0.0;         // of them, pairs without doubt that they stood still in
-  double surprise = 0.0;      // squared Mahalanobis distance from what the prior expects
+  double cells_with_followed = 0.0;  // also by tracks whose past tells the two apart
+  double stood = 0.0;                // of those, pairs without doubt that they stood still in
+  double surprise = 0.0;             // squared Mahalanobis distance from what the prior expects
 };
 
 // What is known of the rig's motion besides what this pair shows: its velocity `dt_s` ago or, where
@@ -116,10 +117,7 @@ class RivalFinder {
   [[nodiscard]] bool enough_outliers(const TrackSet& tracks, std::span<const TrackRole> roles);
   void gather(const TrackSet& tracks, std::span<const TrackRole> roles, double noise_scale,
               const Solution& estimate);
-  [[nodiscard]] Side side_of(std::size_t index, const StereoCamera& camera,
-                             const Eigen::Isometry3d& T_estimate_previous,
-                             const Eigen::Isometry3d& T_rival_previous,
-                             const MapPoint* point) const;
+  [[nodiscard]] static Side followed(const MapPoint& point, const Eigen::Vector2d& apart_px);
   void vote(const TrackSet& tracks, const Eigen::Isometry3d& T_estimate,
             const Eigen::Isometry3d& T_rival, std::span<const MapPoint> map);
   void count_support(Support& estimate, Support& rival) const;
@@ -135,9 +133,10 @@ class RivalFinder {
 
   struct Votes {
     int tracks = 0;
-    int stood = 0;  // pairs, of all
     double knowledge = 0.0;
-    double log_depth = 0.0;
+    int with_followed = 0;   // and those that the pair does not tell apart, but their past does
+    int stood = 0;           // of those
+    double log_depth = 0.0;  // the sum of those
   };
   struct Cell {
     int tracks = 0;
