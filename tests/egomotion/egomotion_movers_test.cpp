@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "../moving_objects/counted_new.hpp"
 #include "egomotion_fixture.hpp"
@@ -60,6 +61,7 @@ struct Outcome {
   int ambiguous = 0;
   int dragged = 0;           // pairs that took the mover's motion for the rig's
   int dragged_silently = 0;  // of them, called valid
+  int last_dragged = -1;
   int worst_ambiguous_quality = 0;
   double end_error_m = 0.0;
   double end_error_sigmas = 0.0;
@@ -79,6 +81,7 @@ Outcome run(World&& world, const Move& move) {
     const bool dragged = error_of(motion, T).head<3>().norm() > kDraggedM;
     outcome.ambiguous += ambiguous ? 1 : 0;
     outcome.dragged += dragged ? 1 : 0;
+    if (dragged) outcome.last_dragged = k;
     outcome.dragged_silently += dragged && !ambiguous ? 1 : 0;
     if (ambiguous)
       outcome.worst_ambiguous_quality = std::max(outcome.worst_ambiguous_quality, motion.quality);
@@ -185,6 +188,34 @@ TEST(EgomotionMovers, OneThatLeadsAtTheRigsSpeedIsNotTakenForTheWorldInSilence) 
         EXPECT_LT(outcome.end_error_m, 2e-3) << share << ' ' << seed;
       }
     }
+}
+
+// What is in the middle of the image leads at the rig's speed from the first pair on.
+Outcome run_behind(std::uint32_t seed, const synthetic::Middle& middle) {
+  return run(World(seed, 500, middle), [](World& world, int) {
+    world.mover_velocity_m = world.T_first_current().linear() * walking().translation();
+    return walking();
+  });
+}
+
+TEST(EgomotionMovers, ACrateThatHasAlwaysLedIsSoonKnownByTheRoomAroundIt) {
+  constexpr int kSoon = 20;
+  for (const double share : {0.4, 0.6})
+    for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
+      const Outcome outcome = run_behind(seed, {.side = std::sqrt(share)});
+      EXPECT_LT(outcome.last_dragged, kSoon) << share << ' ' << seed;
+      EXPECT_LE(outcome.dragged_silently, 3) << share << ' ' << seed;
+      EXPECT_LT(outcome.end_error_sigmas, 6.0) << share << ' ' << seed;
+    }
+}
+
+TEST(EgomotionMovers, OneBehindADoorIsNotTakenForTheWorldAlthoughItIsFartherThanTheWall) {
+  const synthetic::Middle door{.side = std::sqrt(0.4), .depth_m = 4.0, .depth_around_m = 1.6};
+  for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
+    const Outcome outcome = run_behind(seed, door);
+    EXPECT_EQ(outcome.dragged, 0) << seed;
+    EXPECT_LT(outcome.end_error_m, 2e-3) << seed;
+  }
 }
 
 TEST(EgomotionMovers, TheirComingAllocatesNothing) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -60,9 +61,30 @@ inline bool visible(const Eigen::Vector3d& P) {
   return z.x() >= 0 && z.y() >= 0 && z.x() < kCamera.width_px && z.y() < kCamera.height_px;
 }
 
+// The middle of the image shows one thing, at one depth, all around it is another.
+struct Middle {
+  double side = 0.5;  // of the image's width and height
+  double depth_m = 1.6;
+  double depth_around_m = 0.0;  // 0: as random points have it
+
+  [[nodiscard]] bool holds(const Eigen::Vector3d& P) const {
+    const Eigen::Vector3d z = project(kCamera, P);
+    return std::abs(z.x() / kCamera.width_px - 0.5) < 0.5 * side &&
+           std::abs(z.y() / kCamera.height_px - 0.5) < 0.5 * side;
+  }
+};
+
 // A world of points that the rig moves through; the first `movers` of them move as one.
 class World {
  public:
+  // The mover fills the middle of the image, and hides what is behind it.
+  World(std::uint32_t seed, std::size_t points, const Middle& middle)
+      : random_(seed), mover_share_(0.0), mismatch_share_(0.0), middle_(middle) {
+    tracks_.camera = kCamera;
+    tracks_.status = TrackStatus::kFirst;
+    for (std::size_t k = 0; k < points; ++k) seed_point(tracks_);
+  }
+
   World(std::uint32_t seed, std::size_t points, double mover_share = 0.0,
         double mismatch_share = 0.0)
       : random_(seed), mover_share_(mover_share), mismatch_share_(mismatch_share) {
@@ -128,8 +150,14 @@ class World {
 
   void seed_point(TrackSet& set) {
     std::uniform_real_distribution<double> unit(0.0, 1.0);
-    const Eigen::Vector3d P = random_point(random_);
-    points_.push_back({T_first_current_ * P, unit(random_) < mover_share_});
+    Eigen::Vector3d P = random_point(random_);
+    bool mover = unit(random_) < mover_share_;
+    if (middle_) {
+      mover = middle_->holds(P);
+      const double depth_m = mover ? middle_->depth_m : middle_->depth_around_m;
+      if (depth_m > 0.0) P *= depth_m / P.z();
+    }
+    points_.push_back({T_first_current_ * P, mover});
     Track track;
     track.id = next_id_++;
     track.has_current = true;
@@ -142,7 +170,7 @@ class World {
     Track track = tracks_.tracks[from];
     if (point.mover) point.P_first += mover_velocity_m;
     const Eigen::Vector3d P = T_first_current_.inverse() * point.P_first;
-    if (!visible(P)) return false;
+    if (!visible(P) || (middle_ && middle_->holds(P) != point.mover)) return false;
     ++track.age;
     track.previous = track.current;
     track.has_previous = true;
@@ -158,6 +186,7 @@ class World {
   std::mt19937 random_;
   double mover_share_;
   double mismatch_share_;
+  std::optional<Middle> middle_;
   std::uint64_t next_id_ = 1;
   std::vector<Point> points_;
   TrackSet tracks_;
