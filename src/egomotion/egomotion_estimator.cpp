@@ -327,7 +327,6 @@ bool EgomotionEstimator::weigh_rival(const TrackSet& tracks, Solution& solution,
   if (!rival_finder_.find(tracks, solution, motion.roles, map, noise_scale_, prior, rival))
     return false;
   other = rival.solution;
-
   if (!rival.preferred) return true;
   std::swap(solution, other);
   assign_roles(tracks, solution, motion);

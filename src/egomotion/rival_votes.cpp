@@ -106,9 +106,9 @@ double RivalFinder::log_room(bool of_rival) const {
       const Cell& cell = cells_[static_cast<std::size_t>(k)];
       const Votes& own = of_rival ? cell.rival : cell.estimate;
       if (own.with_followed == 0) continue;
+      const int row = k / kColumns;
       const Eigen::Vector3d x{static_cast<double>(k % kColumns) / kColumns,
-                              static_cast<double>(k / kColumns) / kRows,
-                              own.log_depth / own.with_followed};
+                              static_cast<double>(row) / kRows, own.log_depth / own.with_followed};
       if ((x - mean).dot(information * (x - mean)) > kTrimmedDistance2) continue;
       const double w = own.with_followed /
                        static_cast<double>(cell.estimate.with_followed + cell.rival.with_followed);
