@@ -60,22 +60,18 @@ inline float sum(Float x) {
   return total;
 }
 
-// Cubic convolution (R. Keys, 1981) with the sharper a = -0.75: on sensor-sampled images, which
-// carry aliasing, it measured 0.01 px better than -0.5.
-constexpr float kCubic = -0.75F;
-
 // Weights of neighbouring pixels.
 template <int kTaps>
 struct Weights {
   Float w[kTaps];
 };
-// Of those at -1, 0, 1, 2.
-inline Weights<4> cubic_weights(Float f) {
+// Of those at -1, 0, 1, 2: cubic convolution (R. Keys, 1981), whose a is minus the sharpness.
+inline Weights<4> cubic_weights(Float f, float sharpness) {
   const Float g = 1.0F - f;
-  const Float fg = f * g * kCubic;
+  const Float fg = f * g * -sharpness;
   const Float first = fg * g;
   const Float last = fg * f;
-  const Float second = f * f * ((kCubic + 2.0F) * f - (kCubic + 3.0F)) + 1.0F;
+  const Float second = f * f * ((2.0F - sharpness) * f - (3.0F - sharpness)) + 1.0F;
   return {{first, second, 1.0F - first - second - last, last}};
 }
 
@@ -116,8 +112,8 @@ inline Int products(Int pixels, Int weights) {
 
 class RowInterpolator {
  public:
-  RowInterpolator(Int index, Float fraction) {
-    const Weights<4> at = cubic_weights(fraction);
+  RowInterpolator(Int index, Float fraction, float sharpness) {
+    const Weights<4> at = cubic_weights(fraction, sharpness);
     // Bytes (index, zero, index + 1, zero) of each lane.
     places_ = index * 0x00010001 + int(0x80018000U);
     const Int w0 = rounded(at.w[0] * kWeightOne);
@@ -144,7 +140,8 @@ constexpr float kWeightOne = 1.0F;
 
 class RowInterpolator {
  public:
-  RowInterpolator(Int index, Float fraction) : index_(index), weights_(cubic_weights(fraction)) {}
+  RowInterpolator(Int index, Float fraction, float sharpness)
+      : index_(index), weights_(cubic_weights(fraction, sharpness)) {}
   [[nodiscard]] Float operator()(Int pixels) const {
     unsigned char bytes[sizeof(Int)];
     __builtin_memcpy(bytes, &pixels, sizeof(bytes));

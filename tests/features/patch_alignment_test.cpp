@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/LU>
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -88,6 +89,37 @@ TEST(AffineAlignment, FindsScaleShearAndRotation) {
 }
 
 TEST(AffineAlignment, IgnoresGainAndOffset) { expect_found({.gain = 0.6, .offset = 30.0}); }
+
+// Points that leave their pixels all lag behind, or lead, where interpolation does not suit the
+// texture: long waves or short ones.
+TEST(AffineAlignment, SmallShiftsAreFoundWholeInFineAndInCoarseTexture) {
+  constexpr double kShift_px = 0.12;
+  constexpr double kMaxLag_px = 0.01;
+  for (const double radians_per_px : {0.5, 0.8, 1.1, 1.4}) {
+    Eigen::Vector2d total = Eigen::Vector2d::Zero();
+    for (unsigned seed = 0; seed < kTextures; ++seed) {
+      std::mt19937 random(seed);
+      std::uniform_real_distribution<double> phase(0.0, 6.283);
+      const std::array<double, 4> phases{phase(random), phase(random), phase(random),
+                                         phase(random)};
+      const auto texture = [&](double u, double v) {
+        const double w = radians_per_px;
+        return 128.0 + 28.0 * (std::sin(w * u + phases[0]) + std::sin(0.8 * w * u + phases[1]) +
+                               std::sin(w * v + phases[2]) + std::sin(0.8 * w * v + phases[3]));
+      };
+      const Image first = painted(kWidth, kHeight, texture);
+      const Image second = painted(
+          kWidth, kHeight, [&](int u, int v) { return texture(u - kShift_px, v - kShift_px); });
+      AffineTemplate patch;
+      build_template(first.view(), kU, kV, patch);
+      AffineWarp warp{.u_px = kU, .v_px = kV};
+      for (int k = 0; k < 5; ++k) EXPECT_GT(align(second.view(), patch, 10, warp).ncc, 0.99F);
+      total += Eigen::Vector2d(warp.u_px - kU - kShift_px, warp.v_px - kV - kShift_px);
+    }
+    EXPECT_LT((total / kTextures).cwiseAbs().maxCoeff(), kMaxLag_px)
+        << radians_per_px << " radians a pixel";
+  }
+}
 
 TEST(AffineAlignment, PatchThatLeavesTheImageHasNoCorrelation) {
   const Image image = view_of(WaveTexture(3));
