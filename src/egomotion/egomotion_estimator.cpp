@@ -43,6 +43,9 @@ constexpr double kExplainedShare = 0.8;
 // image perhaps, sooner: it earns each of them by as many pairs that it explains.
 constexpr int kMostContradictedPairs = 3;
 constexpr int kPairsThatEarnOne = 3;
+// A mover that has moved from the first pair on pulls at the first motions, until it has gone far
+// enough to be told: the map does not take them up.
+constexpr double kHeldS = 0.19;
 
 }  // namespace
 
@@ -143,6 +146,7 @@ void EgomotionEstimator::start_anew(EstimateReason reason, const TrackSet& track
         diagonal_covariance(config_.reset_translation_sigma_m, config_.reset_rotation_sigma_rad));
   }
   started_ = true;
+  start_exposure_ = tracks.exposure;
   is_lost_ = false;
   after_hole_ = false;
   contradicted_pairs_ = 0;
@@ -305,8 +309,10 @@ EstimateReason EgomotionEstimator::judge(const Solution& solution, const Egomoti
   // What is taken for the world may be little of the image while a mover owns the rest.
   const double least_share =
       (rival_finder_.is_in_doubt() ? kShareInDoubt : 1.0) * config_.min_inlier_share;
-  if (motion.inliers < config_.min_inliers || share < least_share)
-    return EstimateReason::kFewInliers;
+  // Among others that it does not explain, a motion explains some by chance.
+  const int outliers = static_cast<int>(correspondences_.size()) - motion.inliers;
+  const int least = config_.min_inliers + std::min(outliers, config_.min_inliers) / 2;
+  if (motion.inliers < least || share < least_share) return EstimateReason::kFewInliers;
   if (solution.failure != EstimateReason::kNone) return solution.failure;
   const bool determined =
       C.allFinite() && solution.T_previous_current.matrix().allFinite() &&
@@ -400,7 +406,8 @@ void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution
   is_first_motion_ = false;
   if (config_.map)
     map_.update(tracks.camera, tracks.tracks, pose_.T_first_current(), solution.covariance,
-                noise_scale_, contradicted, !has_rival && !contradicted, rows_,
+                noise_scale_, contradicted, !has_rival && !contradicted,
+                to_seconds(tracks.exposure - start_exposure_) < kHeldS, rows_,
                 learns ? &readout_.motion_error_per_s() : nullptr);
   if (learns) map_.change_readout(readout_.change_s());
   reference_exposure_ = tracks.exposure;

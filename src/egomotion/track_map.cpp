@@ -94,21 +94,24 @@ Innovation innovation_in_image(const View& view, const MapPoint& point, const Ei
   return i;
 }
 
-void fuse(const TrackMapConfig& config, const Innovation& i, bool is_told, MapPoint& point) {
+void fuse(const TrackMapConfig& config, const Innovation& i, bool is_told, bool is_held,
+          MapPoint& point) {
   const Eigen::Matrix3d S_inverse = i.S.inverse();
   const double distance2 = i.r.dot(S_inverse * i.r);
   if (!std::isfinite(distance2)) return;
-  const double cut = std::min(1.0, config.max_distance2 / std::max(distance2, 1e-12));
-  const Eigen::Matrix3d K = cut * point.covariance_m2 * i.H.transpose() * S_inverse;
-  point.P_first_m += K * i.r;
-  point.row_error_m_per_s += K * i.row_error_per_s;
-  const Eigen::Matrix3d C = point.covariance_m2 - K * i.H * point.covariance_m2;
-  point.covariance_m2 = 0.5 * (C + C.transpose());
+  if (!is_held) {
+    const double cut = std::min(1.0, config.max_distance2 / std::max(distance2, 1e-12));
+    const Eigen::Matrix3d K = cut * point.covariance_m2 * i.H.transpose() * S_inverse;
+    point.P_first_m += K * i.r;
+    point.row_error_m_per_s += K * i.row_error_per_s;
+    const Eigen::Matrix3d C = point.covariance_m2 - K * i.H * point.covariance_m2;
+    point.covariance_m2 = 0.5 * (C + C.transpose());
+    ++point.updates;
+  }
   const bool fits = distance2 < kChi2Of3At99Percent;
   const double rate = fits ? config.trust_rate : config.distrust_rate;
   point.static_weight += rate * ((fits ? 1.0 : 0.0) - point.static_weight);
   if (is_told) point.stood = std::max(0, point.stood + (fits ? 1 : -1));
-  ++point.updates;
 }
 
 }  // namespace
@@ -135,8 +138,8 @@ void TrackMap::align(std::span<const Track> tracks, double dt_s) {
 
 void TrackMap::update(const StereoCamera& camera, std::span<const Track> tracks,
                       const Eigen::Isometry3d& T_first_current, const Matrix6d& pose_covariance,
-                      double noise_scale, bool is_doubted, bool is_told, const RowTiming& rows,
-                      const Vector6d* motion_error_per_s) {
+                      double noise_scale, bool is_doubted, bool is_told, bool is_held,
+                      const RowTiming& rows, const Vector6d* motion_error_per_s) {
   const View view{camera, T_first_current,   T_first_current.inverse(), pose_covariance,
                   rows,   motion_error_per_s};
   for (std::size_t k = 0; k < tracks.size(); ++k) {
@@ -163,7 +166,7 @@ void TrackMap::update(const StereoCamera& camera, std::span<const Track> tracks,
     const bool young = point.updates <= config_.linear_updates;
     fuse(config_,
          young ? innovation_in_space(view, point, z, R) : innovation_in_image(view, point, z, R),
-         is_told, point);
+         is_told, is_held, point);
     if (motion_error_per_s != nullptr)
       point.row_error_m_per_s -=
           T_first_current.linear() *

@@ -198,6 +198,23 @@ Outcome run_behind(std::uint32_t seed, const synthetic::Middle& middle) {
   });
 }
 
+// In the first pair a slow one has hardly moved, and pulls: the map must not keep that.
+TEST(EgomotionMovers, ASlowOneFromTheFirstPairOnLeavesNoLastingError) {
+  constexpr std::uint32_t kManySeeds = 12;
+  Vector6d xi = Vector6d::Zero();
+  xi[2] = 0.2 * kDtS;
+  const auto mean_error_m = [&](double share) {
+    double sum = 0.0;
+    for (std::uint32_t seed = 0; seed < kManySeeds; ++seed) {
+      World world = world_with(seed, share);
+      world.mover_velocity_m = xi.head<3>();
+      sum += run(std::move(world), [&](World&, int) { return se3_exp(xi); }).end_error_m;
+    }
+    return sum / kManySeeds;
+  };
+  EXPECT_LT(mean_error_m(0.15), 1.5 * mean_error_m(0.0));
+}
+
 TEST(EgomotionMovers, ACrateThatHasAlwaysLedIsSoonKnownByTheRoomAroundIt) {
   constexpr int kSoon = 20;
   for (const double share : {0.4, 0.6})

@@ -135,6 +135,7 @@ class EgomotionEstimator {
   IntervalWatch interval_watch_;
   bool after_hole_ = false;            // no motion was found since pairs were missing
   Nanoseconds map_exposure_{0};        // of the pair that the map was aligned to
+  Nanoseconds start_exposure_{0};      // of the pair that the map began with
   Nanoseconds reference_exposure_{0};  // of the pair that motions are measured from
   double dt_s_ = 0.0;
 

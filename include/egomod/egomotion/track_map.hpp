@@ -58,11 +58,13 @@ class TrackMap {
   // Fuses what the current pair sees from the given pose. `pose_covariance`: right perturbation.
   // `noise_scale` multiplies the observations' covariance. `is_doubted`: that the points stand
   // still is not known from this pair. `is_told`: that no other motion may be the rig's instead.
+  // `is_held`: points that are known stay where they are and are only judged.
   // `motion_error_per_s`: see ReadoutLearner, nullptr when the readout is not to be learnt.
   void update(const StereoCamera& camera, std::span<const Track> tracks,
               const Eigen::Isometry3d& T_first_current, const Matrix6d& pose_covariance,
               double noise_scale, bool is_doubted = false, bool is_told = true,
-              const RowTiming& rows = {}, const Vector6d* motion_error_per_s = nullptr);
+              bool is_held = false, const RowTiming& rows = {},
+              const Vector6d* motion_error_per_s = nullptr);
   // Another motion than so far is the world's: points stand where the next update sees them, and
   // are trusted by their shares.
   void begin_again(std::span<const double> shares);
