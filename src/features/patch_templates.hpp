@@ -64,32 +64,21 @@ void invert_symmetric(const float* S, float* inverse) {
   }
 }
 
-// Of the cubic interpolant: 0.5 for long waves, more for shorter ones.
-constexpr float kMinSharpness = 0.5F;
-constexpr float kMaxSharpness = 1.0F;
-constexpr float kSharpnessPerRatio = 1.28F;
-constexpr float kSharpnessOffset = 0.5F - 0.5F * kSharpnessPerRatio;
-
-// gv, dv: of affine patches only.
+// gv: of affine patches only.
 struct PatchPixels {
   alignas(64) float value[kPatchLanes];
   alignas(64) float gu[kPatchLanes];
   alignas(64) float gv[kPatchLanes];
-  // Plain differences over a pixel each way.
-  alignas(64) float du[kPatchLanes];
-  alignas(64) float dv[kPatchLanes];
 };
 
-// Of pixels in a row, `step` bytes apart: the derivative, times 32, as the central difference over
-// half a pixel each way of the cubic interpolant, and the plain difference over a pixel each way.
-inline void gradient(const unsigned char* p, long step, RowShorts& out, RowShorts& difference) {
+// Central difference over half a pixel each way of the cubic interpolant, times 32.
+inline void gradient(const unsigned char* p, long step, RowShorts& out) {
   RowShorts far_behind, behind, ahead, far_ahead;
   load_row(p - 2 * step, far_behind);
   load_row(p - step, behind);
   load_row(p + step, ahead);
   load_row(p + 2 * step, far_ahead);
-  difference = ahead - behind;
-  out = difference * 22 - (far_ahead - far_behind) * 3;
+  out = (ahead - behind) * 22 - (far_ahead - far_behind) * 3;
 }
 
 // Each row is read and written four lanes too far; the next one, or zeros, cover them.
@@ -101,50 +90,17 @@ void read_patch(const ImageView& image, int u, int v, PatchPixels& out) {
         image.data + (v + y - kPatchRadiusV_px) * stride + (u - kPatchRadiusU_px);
     const int i = y * kRowLanes;
     RowShorts pixels;
-    RowShorts difference;
     load_row(row, pixels);
     store_row(out.value + i, pixels, 1.0F);
-    gradient(row, 1, pixels, difference);
+    gradient(row, 1, pixels);
     store_row(out.gu + i, pixels, 1.0F / 32.0F);
-    store_row(out.du + i, difference, 1.0F);
     if constexpr (P == 6) {
-      gradient(row, stride, pixels, difference);
+      gradient(row, stride, pixels);
       store_row(out.gv + i, pixels, 1.0F / 32.0F);
-      store_row(out.dv + i, difference, 1.0F);
     }
   }
   for (int i = kPatchRows * kRowLanes; i < kPatchLanes; ++i)
-    out.value[i] = out.gu[i] = out.gv[i] = out.du[i] = out.dv[i] = 0.0F;
-}
-
-// An interpolant whose slope at a pixel is not the image's shifts what it fits there: to the pixel
-// where it is too steep, as points of one motion then are all at once when they leave their pixels.
-// That slope is the sharpness times the plain difference; so the sharpness is the one that gives
-// the patch's derivative back. It is fitted for waves of up to 1.7 rad a pixel.
-inline float sharpness(Float derivative2, Float derivative_difference) {
-  const float ratio = sum(derivative2) / (sum(derivative_difference) + 1e-3F);
-  const float s = kSharpnessPerRatio * ratio + kSharpnessOffset;
-  return s < kMinSharpness ? kMinSharpness : (s > kMaxSharpness ? kMaxSharpness : s);
-}
-
-template <int P>
-void sharpen(const PatchPixels& p, PatchTemplate<P>& out) {
-  Float gu2{};
-  Float gu_du{};
-  Float gv2{};
-  Float gv_dv{};
-  for (int i = 0; i < kPatchLanes; i += kLanes) {
-    const Float gu = load(kLane.weight + i) * load(p.gu + i);
-    gu2 += gu * load(p.gu + i);
-    gu_du += gu * load(p.du + i);
-    if constexpr (P == 6) {
-      const Float gv = load(kLane.weight + i) * load(p.gv + i);
-      gv2 += gv * load(p.gv + i);
-      gv_dv += gv * load(p.dv + i);
-    }
-  }
-  out.sharpness_u = sharpness(gu2, gu_du);
-  out.sharpness_v = P == 6 ? sharpness(gv2, gv_dv) : 0.0F;
+    out.value[i] = out.gu[i] = out.gv[i] = 0.0F;
 }
 
 // Weighted mean taken out, divided by the weighted standard deviation. The small constant keeps a
@@ -253,7 +209,6 @@ template <int P>
 void build(const ImageView& image, int u, int v, PatchTemplate<P>& out) {
   PatchPixels pixels;
   read_patch<P>(image, u, v, pixels);
-  sharpen<P>(pixels, out);
   normalise<P>(pixels, out);
   accumulate_hessian<P>(pixels, out);
 }

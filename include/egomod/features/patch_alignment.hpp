@@ -29,9 +29,6 @@ struct PatchTemplate {
   alignas(64) float weighted_gv[Parameters == 6 ? kPatchLanes : 1];
   float mean;
   float contrast;  // weighted standard deviation, grey levels
-  // Of the cubic interpolant along u and v (0 without gv), by the patch's texture.
-  float sharpness_u;
-  float sharpness_v;
   // Projections of the steepest-descent images onto offset and gain.
   float on_offset[Parameters];
   float on_gain[Parameters];
