@@ -12,7 +12,6 @@ namespace {
 
 constexpr double kMinDtS = 1e-3;
 constexpr double kHabitS = 0.5;
-constexpr double kCommonErrorS = 1.5;
 constexpr double kNoiseScaleRate = 0.15;
 constexpr double kMinNoiseScale = 0.3;
 constexpr double kMaxNoiseScale = 12.0;
@@ -20,11 +19,6 @@ constexpr double kMinNoiseRatio = 0.2;  // of one pair: images that repeat have 
 constexpr double kTrusted = 0.5;        // static weight of tracks that tell the noise
 constexpr std::size_t kTracksThatTellNoise = 20;
 constexpr std::size_t kMinCorrespondences = 4;
-// So that the covariance by which the pose's grows in 1 s is that of the motion in 1 s: found over
-// resting and moving rigs in rendered worlds, where it needs 2 and 4 to 5 covariances of one pose.
-constexpr double kLastingPerS = 1.75;
-constexpr double kLastingOfNew = 6.0;
-constexpr double kMostLasting = 4.0;
 constexpr std::size_t kTracksToStartAnew = 20;
 // Slower rigs show nothing of the rows.
 constexpr double kRestMps = 0.02;
@@ -95,7 +89,9 @@ void EgomotionEstimator::follow(const TrackSet& tracks, Egomotion& motion) {
   assign_roles(tracks, solution, motion);
   const EstimateReason failure = judge(solution, motion);
   if (failure != EstimateReason::kNone) return fail(failure, tracks, motion);
-  note_common_error();
+  if (const auto common = gauss_newton_.common_error();
+      common && config_.method == EgomotionMethod::kGaussNewton)
+    error_growth_.note(*common, dt_s_);
   Solution other;
   const bool has_rival = weigh_rival(tracks, solution, other, motion);
   const bool contradicted = wheels_contradict(solution, motion);
@@ -160,8 +156,8 @@ void EgomotionEstimator::start_anew(EstimateReason reason, const TrackSet& track
   if (reason == EstimateReason::kRecalibrated || readout_.readout_s() > 0.0) readout_ = {};
   pair_velocity_.clear();
   is_first_motion_ = true;
-  second_error_per_s_.setZero();
-  second_error_of_scale_.setZero();
+  error_of_readout_.clear();
+  error_of_scale_.clear();
   rows_ = {};
   map_.clear();
   map_.align(tracks.tracks, 0.0);
@@ -234,6 +230,11 @@ Solution EgomotionEstimator::solve(const TrackSet& tracks) {
                             min_inliers);
 }
 
+// Empty from pair to pair.
+std::span<const MapPoint> EgomotionEstimator::known_points() const {
+  return config_.map ? map_.points() : std::span<const MapPoint>{};
+}
+
 bool EgomotionEstimator::rests() const {
   return velocity_.y.head<3>().norm() < kRestMps && velocity_.y.tail<3>().norm() < kRestRadps;
 }
@@ -266,13 +267,9 @@ void EgomotionEstimator::learn_readout(const TrackSet& tracks, const Solution& s
   readout_.learn(tracks.camera, correspondences_, distances2_, map_.points(),
                  solution.T_previous_current, pose_.T_first_current(), rows_.velocity, dt_s_,
                  is_told);
-  // Its error lasts: that of a second is the pairs' sum.
-  second_error_per_s_ =
-      std::exp(-dt_s_) * adjoint(solution.T_previous_current.inverse()) * second_error_per_s_ +
-      readout_.motion_error_per_s();
-  if (readout_.readout_s() > 0.0)
-    pose_.doubt(dt_s_ * readout_.variance_s2() * second_error_per_s_ *
-                second_error_per_s_.transpose());
+  const Matrix6d growth_per_s2 =
+      error_of_readout_.add(readout_.motion_error_per_s(), solution.T_previous_current, dt_s_);
+  if (readout_.readout_s() > 0.0) pose_.doubt(readout_.variance_s2() * growth_per_s2);
 }
 
 bool EgomotionEstimator::is_inlier(const Eigen::Isometry3d& T_current_previous, std::size_t k,
@@ -328,9 +325,9 @@ bool EgomotionEstimator::weigh_rival(const TrackSet& tracks, Solution& solution,
                                      Egomotion& motion) {
   if (tracks.previous_exposure != reference_exposure_) return false;
   Rival& rival = rival_;
-  const std::span<const MapPoint> map = config_.map ? map_.points() : std::span<const MapPoint>{};
   const VelocityPrior prior{habit_, dt_s_, wheels_ ? &*wheels_ : nullptr};
-  if (!rival_finder_.find(tracks, solution, motion.roles, map, noise_scale_, prior, rival))
+  if (!rival_finder_.find(tracks, solution, motion.roles, known_points(), noise_scale_, prior,
+                          rival))
     return false;
   other = rival.solution;
   if (!rival.preferred) return true;
@@ -382,7 +379,7 @@ void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution
   ++explained_pairs_;
   motion.reason = after_hole_ ? EstimateReason::kHole : EstimateReason::kNone;
   after_hole_ = false;
-  const Vector6d wrong_scale = error_of_scale(tracks, solution);
+  const Vector6d wrong_scale = doubt_scale(tracks, solution);
   const double share = motion.inliers / static_cast<double>(correspondences_.size()) /
                        (1.0 + std::pow(scale_sigma_ / kScaleOfHalfQuality, 2));
   motion.quality = std::clamp(
@@ -394,7 +391,7 @@ void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution
   motion.covariance_previous_current = solution.covariance + Ad * against_map_ * Ad.transpose();
   motion.covariance_previous_current += wrong_scale * wrong_scale.transpose();
   pose_.compose(solution.T_previous_current,
-                lasting_share(tracks) * common_error_ * solution.covariance);
+                error_growth_.share(known_points(), dt_s_) * solution.covariance);
   if (config_.map) against_map_ = solution.covariance;
   keep_velocity(motion);
   adapt_noise_scale();
@@ -416,7 +413,7 @@ void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution
 
 // Of the motion, by one standard deviation of what is not known of the right camera's turn: near
 // and far points then lie too near or too far, those at the median disparity by this share.
-Vector6d EgomotionEstimator::error_of_scale(const TrackSet& tracks, const Solution& solution) {
+Vector6d EgomotionEstimator::doubt_scale(const TrackSet& tracks, const Solution& solution) {
   scale_sigma_ = 0.0;
   Vector6d error = Vector6d::Zero();
   if (!tracks.right_turn.is_off) return error;
@@ -425,11 +422,7 @@ Vector6d EgomotionEstimator::error_of_scale(const TrackSet& tracks, const Soluti
   const double disparity_px = std::max(median(scratch_, 1.0), 1.0);
   scale_sigma_ = tracks.camera.fx_px * tracks.right_turn.yaw_sigma_rad / disparity_px;
   error.head<3>() = scale_sigma_ * solution.T_previous_current.translation();
-  // It lasts, as that of the rows does.
-  second_error_of_scale_ =
-      std::exp(-dt_s_) * adjoint(solution.T_previous_current.inverse()) * second_error_of_scale_ +
-      error;
-  pose_.doubt(dt_s_ * second_error_of_scale_ * second_error_of_scale_.transpose());
+  pose_.doubt(error_of_scale_.add(error, solution.T_previous_current, dt_s_));
   return error;
 }
 
@@ -470,29 +463,6 @@ void EgomotionEstimator::adapt_noise_scale() {
   const double ratio = std::max(kMinNoiseRatio, median(scratch_, kMedianChi2Of3)) / kMedianChi2Of3;
   noise_scale_ =
       std::clamp(noise_scale_ * std::pow(ratio, kNoiseScaleRate), kMinNoiseScale, kMaxNoiseScale);
-}
-
-// One pair tells it roughly, and what makes points err together, such as a rolling shutter or a
-// wrong calibration, lasts.
-void EgomotionEstimator::note_common_error() {
-  if (config_.method != EgomotionMethod::kGaussNewton) return;
-  const std::optional<double> now = gauss_newton_.common_error();
-  if (!now) return;
-  common_error_pairs_ += 1.0;
-  const double rate = std::max(1.0 - std::exp(-dt_s_ / kCommonErrorS), 1.0 / common_error_pairs_);
-  common_error_ += rate * (*now - common_error_);
-}
-
-// How much of a pose's covariance the pose's growing one takes on for good: all of it frame to
-// frame. Against the map errors do not add up from pair to pair; they wander slowly with those of
-// the tracks, and new tracks carry this pose's error on.
-double EgomotionEstimator::lasting_share(const TrackSet& tracks) const {
-  if (!config_.map) return 1.0;
-  const auto is_new = [](const MapPoint& point) { return point.updates == 0; };
-  const auto renewed =
-      static_cast<double>(std::count_if(map_.points().begin(), map_.points().end(), is_new)) /
-      static_cast<double>(tracks.tracks.size());
-  return std::min(kMostLasting, kLastingPerS * dt_s_ + kLastingOfNew * renewed);
 }
 
 VelocityState EgomotionEstimator::unknown_velocity() const {

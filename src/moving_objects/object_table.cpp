@@ -13,30 +13,19 @@
 namespace egomod {
 namespace {
 
-constexpr double kReclaimDistance_m = 0.5;  // an object without tracks is found again this near,
-constexpr double kReclaimDrift_mps = 0.3;   // growing with the time that it was unseen,
-constexpr double kReclaimSpeed_mps = 0.3;   // at a velocity this similar
-constexpr double kReclaimSpeedShare = 0.1;
-constexpr double kKnown_s = 1.0;  // an object this old is surely none that repeated texture feigns
 constexpr std::size_t kClearPoints = 8;   // that agree over one long interval
-constexpr double kLeapPurity = 0.8;       // of what opens an object then
 constexpr double kTentative_s = 0.3;      // a tentative object without evidence ends
 constexpr double kLeaveChi2 = 25.0;       // a member this far off leaves
 constexpr double kKeepPurityShare = 0.5;  // of the purity that opens an object
-constexpr double kEvidenceMemory = 0.9;   // of one pair
-constexpr double kMostEvidencePerPair = 40.0;
-constexpr double kManoeuvre_s = 1.0;   // how long an unseen one lasts
-constexpr double kPartGapShare = 0.4;  // of the larger one's size, across the line of sight
+constexpr double kManoeuvre_s = 1.0;      // how long an unseen one lasts
+constexpr double kPartGapShare = 0.4;     // of the larger one's size, across the line of sight
 constexpr double kPartDepthShare = 1.0;
 constexpr double kPartSpeed_mps = 0.05;  // plus a share of the speed, 99 % and rotation
 constexpr double kPartSpeedShare = 0.03;
 constexpr double kPartChi2 = 11.34;
 constexpr double kPastDepth_m = 0.5;
 constexpr std::ptrdiff_t kLeastPast = 3;
-constexpr std::size_t kLimbRatio = 2;
-constexpr double kLimbReach_m = 0.3;  // from the rectangle
-constexpr float kUpright = 3.0F;      // of that, up and down
-constexpr double kLimbSpan_m = 0.4;   // beside the trunk
+constexpr double kLimbSpan_m = 0.4;  // beside the trunk
 constexpr double kLimbDepth_m = 0.5;
 // Error of a surface's centre by its size, however many points show it.
 constexpr double kShapeShare = 0.04;
@@ -177,143 +166,6 @@ void ObjectTable::predict(const TrackSet& tracks, const Egomotion& motion) {
       owners_[i] = previous_owners_[k];
     }
   }
-}
-
-ObjectTable::Tracked* ObjectTable::by_tracks(std::span<const PointSample> points, Members members) {
-  Tracked* best = nullptr;
-  std::ptrdiff_t best_shared = 0;
-  for (Tracked& tracked : objects_) {
-    const std::ptrdiff_t shared = std::count_if(members.begin(), members.end(), [&](auto i) {
-      return owners_[points[i].track] == tracked.object.id;
-    });
-    if (shared > best_shared) {
-      best = &tracked;
-      best_shared = shared;
-    }
-  }
-  return best;
-}
-
-// What has been known for an object for some time becomes no echo of what it passes.
-bool ObjectTable::carries_on(std::span<const PointSample> points, Members members,
-                             const Tracked* tracked) const {
-  if (tracked == nullptr || !tracked->confirmed || tracked->object.age_s < kKnown_s) return false;
-  const auto own = std::count_if(members.begin(), members.end(), [&](auto i) {
-    return owners_[points[i].track] == tracked->object.id;
-  });
-  return 2 * own > static_cast<std::ptrdiff_t>(members.size());
-}
-
-ObjectTable::Tracked* ObjectTable::by_place(const MotionGroup& group) {
-  for (Tracked& tracked : objects_) {
-    const MovingObject& object = tracked.object;
-    const double unseen_s = to_seconds(now_ - tracked.last_evidence);
-    if (!tracked.evident &&
-        (object.position_m - group.position_m).norm() <
-            kReclaimDistance_m + kReclaimDrift_mps * unseen_s &&
-        (object.velocity_mps - group.velocity_mps).norm() <
-            kReclaimSpeed_mps + kReclaimSpeedShare * group.velocity_mps.norm()) {
-      return &tracked;
-    }
-  }
-  return nullptr;
-}
-
-// A group beside an object with many more points, in one body with it: an arm or a leg.
-bool ObjectTable::is_limb(const MotionGroup& group) const {
-  return std::any_of(objects_.begin(), objects_.end(), [&](const Tracked& tracked) {
-    return tracked.evident && tracked.body == group.body &&
-           kLimbRatio * group.count < tracked.group;
-  });
-}
-
-// Over a long interval repeated texture is mismatched in shoals, among points that rest.
-double ObjectTable::least_purity() const {
-  return is_slow_ ? std::max(kLeapPurity, config_.min_purity) : config_.min_purity;
-}
-
-// Only a group that passes every gate opens an object; later a smaller one keeps it. What swings
-// its limbs may show few points of one velocity: then all that move there count.
-ObjectTable::Tracked* ObjectTable::create(std::span<const PointSample> points,
-                                          const MotionGroup& group, const MotionGroups& finder) {
-  const auto least = static_cast<std::size_t>(config_.min_points);
-  const MotionBody& body = finder.bodies()[group.body];
-  const bool swings = group.count < least && !group.leaps && group.leads && !group.with_rig &&
-                      body.count >= least &&
-                      purity_of(points, finder.members(body)) >= config_.min_purity;
-  if ((group.count < least && !swings) || is_limb(group) || group.purity < least_purity() ||
-      group.recedes || group.chi2() < config_.object_chi2 || group.evidence < gates_.min_evidence ||
-      objects_.size() == kMostObjects) {
-    return nullptr;
-  }
-  Tracked tracked;
-  tracked.swings = swings;
-  tracked.object.id = ++last_id_;
-  tracked.object.position_m = group.position_m;
-  tracked.object.rectangle = group.rectangle;
-  tracked.first = now_;
-  tracked.last_evidence = now_;
-  objects_.push_back(tracked);
-  return &objects_.back();
-}
-
-void ObjectTable::associate(const StereoCamera& camera, std::span<const PointSample> points,
-                            const MotionGroups& finder, std::span<const MotionGroup> groups,
-                            bool is_slow) {
-  is_slow_ = is_slow;
-  for (const MotionGroup& group : groups) {
-    if (group.slides || group.velocity_mps.norm() < gates_.min_speed_mps) continue;
-    const Members members = finder.members(group);
-    Tracked* tracked = by_tracks(points, members);
-    if ((group.echoes || group.slips) && !carries_on(points, members, tracked)) continue;
-    if (tracked == nullptr) tracked = by_place(group);
-    if (tracked == nullptr) tracked = create(points, group, finder);
-    if (tracked == nullptr) continue;
-    if (!tracked->evident) {
-      take_group(group, *tracked);
-    } else if (!tracked->swings) {
-      tracked->box = joined(tracked->box, {group.centre_m, group.size_m});
-    }
-    for (const auto i : members) owners_[points[i].track] = tracked->object.id;
-  }
-  for (Tracked& tracked : objects_) {
-    if (tracked.swings) adopt_limbs(camera, points, tracked);
-  }
-}
-
-void ObjectTable::take_group(const MotionGroup& group, Tracked& tracked) {
-  tracked.evident = true;
-  tracked.group = group.count;
-  tracked.body = group.body;
-  tracked.box = {group.centre_m, group.size_m};
-  tracked.evidence =
-      kEvidenceMemory * tracked.evidence + std::clamp(group.evidence, 0.0, kMostEvidencePerPair);
-  tracked.object.velocity_mps = group.velocity_mps;
-  tracked.object.velocity_covariance_m2ps2 = group.velocity_covariance_m2ps2;
-}
-
-// Arms and legs belong to whom they hang on, whatever their velocity: moving points of nobody's at
-// the object. While the trunk's own points are too few, they say that it goes on.
-void ObjectTable::adopt_limbs(const StereoCamera& camera, std::span<const PointSample> points,
-                              Tracked& tracked) {
-  const MovingObject& object = tracked.object;
-  const auto margin_px = static_cast<float>(kLimbReach_m * camera.fx_px / object.position_m.z());
-  const PixelRect& r = object.rectangle;
-  const float below_px = kUpright * margin_px;
-  const PixelRect around{r.u_min_px - margin_px, r.v_min_px - below_px, r.u_max_px + margin_px,
-                         r.v_max_px + below_px};
-  std::size_t moving = 0;
-  for (const PointSample& point : points) {
-    std::int64_t& owner = owners_[point.track];
-    if (!point.moves || (owner != 0 && owner != object.id) || !contains(around, point.pixel_px) ||
-        !is_at(point, tracked.box)) {
-      continue;
-    }
-    owner = object.id;
-    ++moving;
-  }
-  tracked.by_limbs = !tracked.evident && tracked.confirmed && moving >= kLeastPoints;
-  tracked.evident = tracked.evident || tracked.by_limbs;
 }
 
 void ObjectTable::update(const StereoCamera& camera, std::span<const PointSample> points,

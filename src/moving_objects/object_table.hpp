@@ -59,6 +59,9 @@ class ObjectTable {
     Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
     Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
   };
+  // An object this old is surely none that repeated texture feigns.
+  static constexpr double kKnown_s = 1.0;
+
   struct Velocity {
     Eigen::Vector3d mps = Eigen::Vector3d::Zero();
     Eigen::Matrix3d covariance_m2ps2 = Eigen::Matrix3d::Zero();

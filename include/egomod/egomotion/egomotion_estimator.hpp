@@ -9,6 +9,7 @@
 #include "egomod/core/egomotion.hpp"
 #include "egomod/core/track_set.hpp"
 #include "egomod/egomotion/correspondence.hpp"
+#include "egomod/egomotion/error_growth.hpp"
 #include "egomod/egomotion/gauss_newton_solver.hpp"
 #include "egomod/egomotion/interval_watch.hpp"
 #include "egomod/egomotion/pose_accumulator.hpp"
@@ -71,6 +72,7 @@ class EgomotionEstimator {
   [[nodiscard]] bool find_past(const StereoCamera& camera, const Track& track, std::size_t index,
                                const Eigen::Isometry3d& T_previous_first, Correspondence& c) const;
   [[nodiscard]] Solution solve(const TrackSet& tracks);
+  [[nodiscard]] std::span<const MapPoint> known_points() const;
   [[nodiscard]] bool rests() const;
   [[nodiscard]] bool learns_readout() const;
   void account_for_rows(const TrackSet& tracks, Solution& solution);
@@ -88,11 +90,9 @@ class EgomotionEstimator {
   void doubt(const Solution& other, EstimateReason reason, Egomotion& motion);
   void fail(EstimateReason reason, const TrackSet& tracks, Egomotion& motion);
 
-  [[nodiscard]] Vector6d error_of_scale(const TrackSet& tracks, const Solution& solution);
+  [[nodiscard]] Vector6d doubt_scale(const TrackSet& tracks, const Solution& solution);
   void keep_velocity(const Egomotion& motion);
   void adapt_noise_scale();
-  void note_common_error();
-  [[nodiscard]] double lasting_share(const TrackSet& tracks) const;
   [[nodiscard]] VelocityState unknown_velocity() const;
   void watch_for_holes(const TrackSet& tracks);
 
@@ -106,12 +106,11 @@ class EgomotionEstimator {
   TrackMap map_;
   ReadoutLearner readout_;
   PairVelocity pair_velocity_;
-  RowTiming rows_;               // of this pair
-  bool is_first_motion_ = true;  // since the map was begun
-  // What a second of readout puts the motion of the last second or so off by.
-  Vector6d second_error_per_s_ = Vector6d::Zero();
-  double scale_sigma_ = 0.0;  // by what is not known of the right camera's turn
-  Vector6d second_error_of_scale_ = Vector6d::Zero();
+  RowTiming rows_;                 // of this pair
+  bool is_first_motion_ = true;    // since the map was begun
+  LastingError error_of_readout_;  // that a second of readout makes
+  double scale_sigma_ = 0.0;       // by what is not known of the right camera's turn
+  LastingError error_of_scale_;
   PoseAccumulator pose_;
   // Of the last pose against the map: white, and part of the next motion's error. Zero without map.
   Matrix6d against_map_ = Matrix6d::Zero();
@@ -120,9 +119,8 @@ class EgomotionEstimator {
   Vector6d to_other_pose_ = Vector6d::Zero();
   VelocityState velocity_;
   VelocityState habit_;  // the velocity, slowly followed: what constant motion means to a rival
-  double noise_scale_ = 1.0;         // of the observations' covariances, learnt from the residuals
-  double common_error_ = 1.0;        // by how much errors in common add to the pose's covariance
-  double common_error_pairs_ = 1.0;  // that it was learnt from
+  double noise_scale_ = 1.0;  // of the observations' covariances, learnt from the residuals
+  ErrorGrowth error_growth_;
 
   bool started_ = false;
   StereoCamera camera_;

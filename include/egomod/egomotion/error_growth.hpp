@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "egomod/core/geometry.hpp"
+#include "egomod/egomotion/track_map.hpp"
+
+namespace egomod {
+
+// How much of a motion's covariance the pose's growing one takes on for good. Against a map, errors
+// do not add up from pair to pair; they wander slowly with those of the tracks, and new tracks
+// carry the pose's error on. Points that err together make all of it larger.
+class ErrorGrowth {
+ public:
+  // `common_error`: of this pair, 1 where points err each on its own (see GaussNewtonSolver).
+  void note(double common_error, double dt_s);
+  // Without a map (empty), all of it: motions are measured frame to frame.
+  [[nodiscard]] double share(std::span<const MapPoint> map, double dt_s) const;
+
+ private:
+  double common_error_ = 1.0;
+  double pairs_ = 1.0;  // that it was learnt from
+};
+
+// An error of the motion that stays for a second or so: that of a second is the pairs' sum, not the
+// root of their squares'.
+class LastingError {
+ public:
+  void clear() { second_.setZero(); }
+  // What the pose's covariance grows by in this pair, for an error (m, rad) in the current frame.
+  [[nodiscard]] Matrix6d add(const Vector6d& error, const Eigen::Isometry3d& T_previous_current,
+                             double dt_s);
+
+ private:
+  Vector6d second_ = Vector6d::Zero();
+};
+
+}  // namespace egomod
