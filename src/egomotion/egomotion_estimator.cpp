@@ -88,7 +88,13 @@ void EgomotionEstimator::follow(const TrackSet& tracks, Egomotion& motion) {
   account_for_rows(tracks, solution);
   assign_roles(tracks, solution, motion);
   const EstimateReason failure = judge(solution, motion);
-  if (failure != EstimateReason::kNone) return fail(failure, tracks, motion);
+  if (failure != EstimateReason::kNone) {
+    fail(failure, tracks, motion);
+    // With enough that the map does not know, the next pair need not be waited for.
+    if (!config_.map || !is_lost_ || unknown_tracks(tracks) < kTracksToStartAnew) return;
+    begin(tracks, motion);
+    return start_anew(EstimateReason::kReseeded, tracks, motion);
+  }
   if (const auto common = gauss_newton_.common_error();
       common && config_.method == EgomotionMethod::kGaussNewton)
     error_growth_.note(*common, dt_s_);
@@ -194,14 +200,19 @@ void EgomotionEstimator::gather(const TrackSet& tracks) {
 // Hardly a track that the map knows, but enough that it does not: it learns nothing while estimates
 // fail, so that waiting would not help.
 bool EgomotionEstimator::is_cut_off(const TrackSet& tracks) const {
-  const auto least = std::max(static_cast<std::size_t>(config_.min_inliers), kMinCorrespondences);
+  const auto least =
+      std::max(static_cast<std::size_t>(least_inliers(config_.min_inliers)), kMinCorrespondences);
   if (!config_.map || correspondences_.size() >= least) return false;
+  return unknown_tracks(tracks) >= kTracksToStartAnew;
+}
+
+std::size_t EgomotionEstimator::unknown_tracks(const TrackSet& tracks) const {
   std::size_t unknown = 0;
   for (std::size_t k = 0; k < tracks.tracks.size(); ++k) {
     const Track& track = tracks.tracks[k];
     unknown += track.has_current && usable(track.current) && map_.points()[k].updates == 0 ? 1 : 0;
   }
-  return unknown >= kTracksToStartAnew;
+  return unknown;
 }
 
 bool EgomotionEstimator::find_past(const StereoCamera& camera, const Track& track,
@@ -299,6 +310,11 @@ void EgomotionEstimator::assign_roles(const TrackSet& tracks, const Solution& so
   motion.residual_px = std::sqrt(median(scratch_, 0.0) / kMedianChi2Of2);
 }
 
+// Among others that it does not explain, a motion explains some by chance.
+int EgomotionEstimator::least_inliers(int outliers) const {
+  return config_.min_inliers + std::min(outliers, config_.min_inliers) / 2;
+}
+
 EstimateReason EgomotionEstimator::judge(const Solution& solution, const Egomotion& motion) const {
   if (solution.failure == EstimateReason::kFewTracks) return solution.failure;
   const double share = motion.inliers / static_cast<double>(correspondences_.size());
@@ -306,10 +322,9 @@ EstimateReason EgomotionEstimator::judge(const Solution& solution, const Egomoti
   // What is taken for the world may be little of the image while a mover owns the rest.
   const double least_share =
       (rival_finder_.is_in_doubt() ? kShareInDoubt : 1.0) * config_.min_inlier_share;
-  // Among others that it does not explain, a motion explains some by chance.
   const int outliers = static_cast<int>(correspondences_.size()) - motion.inliers;
-  const int least = config_.min_inliers + std::min(outliers, config_.min_inliers) / 2;
-  if (motion.inliers < least || share < least_share) return EstimateReason::kFewInliers;
+  if (motion.inliers < least_inliers(outliers) || share < least_share)
+    return EstimateReason::kFewInliers;
   if (solution.failure != EstimateReason::kNone) return solution.failure;
   const bool determined =
       C.allFinite() && solution.T_previous_current.matrix().allFinite() &&

@@ -27,6 +27,11 @@ constexpr double kPastDepth_m = 0.5;
 constexpr std::ptrdiff_t kLeastPast = 3;
 constexpr double kLimbSpan_m = 0.4;  // beside the trunk
 constexpr double kLimbDepth_m = 0.5;
+// Of a person, whose legs are found without the trunk's velocity.
+constexpr double kWidestTrunk_m = 1.0;
+constexpr double kTallestTrunk_m = 1.4;
+constexpr double kLegSpan_m = 0.25;  // beside the trunk
+constexpr double kLegLength_m = 1.0;
 // Error of a surface's centre by its size, however many points show it.
 constexpr double kShapeShare = 0.04;
 constexpr double kYoungVariance = 2.0;  // of a velocity just found, above that of a known one
@@ -70,7 +75,7 @@ ObjectTable::ObjectTable(const MovingObjectsConfig& config, const ObjectGates& g
   objects_.reserve(kMostObjects);
   for (auto* ids : {&track_ids_, &previous_track_ids_}) ids->reserve(kReservedTracks);
   for (auto* owners : {&owners_, &previous_owners_}) owners->reserve(kReservedTracks);
-  for (auto* members : {&members_, &seen_, &trunk_}) members->reserve(kReservedTracks);
+  for (auto* members : {&members_, &seen_, &trunk_, &outline_}) members->reserve(kReservedTracks);
 }
 
 // By the free space between their boxes along each axis.
@@ -107,6 +112,11 @@ ObjectTable::Box ObjectTable::joined(const Box& a, const Box& b) {
 bool ObjectTable::is_at(const PointSample& point, const Box& box) {
   const Eigen::Vector3d off_m = (point.position_m - box.centre_m).cwiseAbs() - 0.5 * box.size_m;
   return off_m.x() < kLimbSpan_m && off_m.z() < kLimbDepth_m;
+}
+
+bool ObjectTable::hangs_on(const PointSample& point, const Box& trunk) {
+  const Eigen::Vector3d off_m = (point.position_m - trunk.centre_m).cwiseAbs() - 0.5 * trunk.size_m;
+  return off_m.x() < kLegSpan_m && off_m.y() < kLegLength_m && off_m.z() < kLimbDepth_m;
 }
 
 void ObjectTable::move_on(const StereoCamera& camera, Nanoseconds exposure,
@@ -259,11 +269,27 @@ void ObjectTable::collect(std::span<const PointSample> points, const Tracked& tr
   }
 }
 
+// The members, and what hangs on a trunk or stands on it: legs, whose velocities are their own. A
+// body that is larger than one has none, but perhaps a shadow.
+Members ObjectTable::outline_of(std::span<const PointSample> points, const Tracked& tracked) {
+  const Eigen::Vector3d size_m = extent_of(points, members_);
+  if (!tracked.confirmed || size_m.x() > kWidestTrunk_m || size_m.y() > kTallestTrunk_m)
+    return members_;
+  const Box trunk{centre_of(points, members_), size_m};
+  outline_.assign(members_.begin(), members_.end());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!points[i].moves || points[i].left_only || owners_[points[i].track] != 0) continue;
+    if (hangs_on(points[i], trunk)) outline_.push_back(static_cast<Grouper::Index>(i));
+  }
+  return outline_.size() < members_.size() + kLeastPoints ? Members(members_) : Members(outline_);
+}
+
 void ObjectTable::measure(const StereoCamera& camera, std::span<const PointSample> points,
                           Tracked& tracked) {
   MovingObject& object = tracked.object;
-  object.rectangle = rectangle_of(points, members_);
-  object.extent_m = extent_of(points, members_);
+  const Members outline = outline_of(points, tracked);
+  object.rectangle = rectangle_of(points, outline);
+  object.extent_m = extent_of(points, outline);
   object.points = static_cast<int>(members_.size());
   // Features sit where the texture is: the ray through the rectangle's centre at their depth is
   // nearer to the centre of the visible surface than their mean.

@@ -99,6 +99,7 @@ class ObjectTable {
                                 const MotionGroups& finder);
   [[nodiscard]] static Box joined(const Box& a, const Box& b);
   [[nodiscard]] static bool is_at(const PointSample& point, const Box& box);
+  [[nodiscard]] static bool hangs_on(const PointSample& point, const Box& trunk);
   [[nodiscard]] bool is_limb(const MotionGroup& group) const;
   void take_group(const MotionGroup& group, Tracked& tracked);
   void adopt_limbs(const StereoCamera& camera, std::span<const PointSample> points,
@@ -106,6 +107,7 @@ class ObjectTable {
   [[nodiscard]] bool belongs(const PointSample& point, const Tracked& tracked) const;
   void collect(std::span<const PointSample> points, const Tracked& tracked);
   void measure(const StereoCamera& camera, std::span<const PointSample> points, Tracked& tracked);
+  [[nodiscard]] Members outline_of(std::span<const PointSample> points, const Tracked& tracked);
   [[nodiscard]] Members seen_by_both(std::span<const PointSample> points);
   [[nodiscard]] Members trunk_of(std::span<const PointSample> points, Members members,
                                  const Tracked& tracked);
@@ -128,6 +130,7 @@ class ObjectTable {
   std::vector<Grouper::Index> members_;
   std::vector<Grouper::Index> seen_;
   std::vector<Grouper::Index> trunk_;
+  std::vector<Grouper::Index> outline_;
   std::int64_t last_id_ = 0;
 };
 

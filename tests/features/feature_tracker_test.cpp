@@ -54,7 +54,7 @@ constexpr double kNoise = 1.5;  // grey levels
 constexpr double kMaxMedianResidual_px = 0.2;
 constexpr double kMaxMedianDisparityError_px = 0.15;
 constexpr double kMedianChi2Of3 = 2.366;
-constexpr double kMaxSigmaFactor = 2.0;
+constexpr double kMaxSigmaFactor = 2.1;
 
 StereoPair pair_at(const SyntheticWorld& world, double t_s, std::uint64_t sequence) {
   StereoPair pair;

@@ -69,6 +69,7 @@ class EgomotionEstimator {
   void advance_to(const TrackSet& tracks, Egomotion& motion);
   void gather(const TrackSet& tracks);
   [[nodiscard]] bool is_cut_off(const TrackSet& tracks) const;
+  [[nodiscard]] std::size_t unknown_tracks(const TrackSet& tracks) const;
   [[nodiscard]] bool find_past(const StereoCamera& camera, const Track& track, std::size_t index,
                                const Eigen::Isometry3d& T_previous_first, Correspondence& c) const;
   [[nodiscard]] Solution solve(const TrackSet& tracks);
@@ -84,6 +85,7 @@ class EgomotionEstimator {
   [[nodiscard]] bool weigh_rival(const TrackSet& tracks, Solution& solution, Solution& other,
                                  Egomotion& motion);
   [[nodiscard]] bool wheels_contradict(const Solution& solution, const Egomotion& motion) const;
+  [[nodiscard]] int least_inliers(int outliers) const;
   [[nodiscard]] bool is_surely_static(const Egomotion& motion) const;
   void accept(const TrackSet& tracks, const Solution& solution, bool has_rival, bool contradicted,
               Egomotion& motion);
