@@ -173,6 +173,35 @@ TEST_F(Filter, WalkerInMidStepIsFoundWithItsLegs) {
   EXPECT_LT((objects.objects.front().velocity_mps - walk_mps).norm(), 0.15);
 }
 
+// A trunk, and below it points that move otherwise, too few of one velocity for a group.
+class FilterOnTrunk : public Filter {
+ protected:
+  // How far below the trunk's lowest point the rectangle reaches, m.
+  double reach_below(const Eigen::Vector3d& trunk_m) {
+    rest_rig();
+    world.add_background(300);
+    const Eigen::Vector3d walk_mps{0.8, 0.0, 0.0};
+    const Eigen::Vector3d swing_mps{0.4, 0.0, 0.0};
+    const double depth_m = 6.0;
+    world.add_box(60, {-1.0, 0.0, depth_m}, trunk_m, walk_mps);
+    const double below_m = 0.5 * trunk_m.y() + 0.5;
+    world.add_box(3, {-1.0, below_m, depth_m}, {0.1, 0.4, 0.1}, walk_mps + swing_mps);
+    world.add_box(3, {-1.0, below_m, depth_m}, {0.1, 0.4, 0.1}, walk_mps - swing_mps);
+    for (int pair = 0; pair < 18; ++pair) run(pair);
+    EXPECT_EQ(moving(), 1);
+    const MovingObject& object = objects.objects.front();
+    EXPECT_LT((object.velocity_mps - walk_mps).norm(), 0.1);
+    const StereoCamera& camera = synthetic::kCamera;
+    return (object.rectangle.v_max_px - camera.cy_px) / camera.fy_px * depth_m - 0.5 * trunk_m.y();
+  }
+};
+
+TEST_F(FilterOnTrunk, WalkersLegsAreInItsOutline) { EXPECT_GT(reach_below({0.4, 0.7, 0.2}), 0.4); }
+
+TEST_F(FilterOnTrunk, WhatMovesBelowALargeBodyIsNot) {
+  EXPECT_LT(reach_below({1.8, 0.7, 0.2}), 0.1);
+}
+
 TEST_F(Filter, ArmBesideItsTrunkIsNoObject) {
   rest_rig();
   world.add_background(300);
