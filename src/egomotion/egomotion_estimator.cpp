@@ -90,8 +90,12 @@ void EgomotionEstimator::follow(const TrackSet& tracks, Egomotion& motion) {
   const EstimateReason failure = judge(solution, motion);
   if (failure != EstimateReason::kNone) {
     fail(failure, tracks, motion);
-    // With enough that the map does not know, the next pair need not be waited for.
-    if (!config_.map || !is_lost_ || unknown_tracks(tracks) < kTracksToStartAnew) return;
+    // A map that is given up for its contradictions need not wait for the next pair, where enough
+    // is seen that it does not know; but one that has explained nothing yet was begun by a bad pair
+    // too.
+    if (!config_.map || !is_lost_ || explained_pairs_ == 0 || tracks.status != TrackStatus::kOk ||
+        unknown_tracks(tracks) < kTracksToStartAnew)
+      return;
     begin(tracks, motion);
     return start_anew(EstimateReason::kReseeded, tracks, motion);
   }
@@ -200,8 +204,7 @@ void EgomotionEstimator::gather(const TrackSet& tracks) {
 // Hardly a track that the map knows, but enough that it does not: it learns nothing while estimates
 // fail, so that waiting would not help.
 bool EgomotionEstimator::is_cut_off(const TrackSet& tracks) const {
-  const auto least =
-      std::max(static_cast<std::size_t>(least_inliers(config_.min_inliers)), kMinCorrespondences);
+  const auto least = std::max(static_cast<std::size_t>(config_.min_inliers), kMinCorrespondences);
   if (!config_.map || correspondences_.size() >= least) return false;
   return unknown_tracks(tracks) >= kTracksToStartAnew;
 }
@@ -322,7 +325,8 @@ EstimateReason EgomotionEstimator::judge(const Solution& solution, const Egomoti
   // What is taken for the world may be little of the image while a mover owns the rest.
   const double least_share =
       (rival_finder_.is_in_doubt() ? kShareInDoubt : 1.0) * config_.min_inlier_share;
-  const int outliers = static_cast<int>(correspondences_.size()) - motion.inliers;
+  const auto outliers =
+      static_cast<int>(std::count(motion.roles.begin(), motion.roles.end(), TrackRole::kOutlier));
   if (motion.inliers < least_inliers(outliers) || share < least_share)
     return EstimateReason::kFewInliers;
   if (solution.failure != EstimateReason::kNone) return solution.failure;

@@ -41,7 +41,7 @@ double RivalFinder::occupied_cells() const {
 // A point that both motions explain in this pair belongs to the one that it has followed so far.
 RivalFinder::Side RivalFinder::followed(const MapPoint& point, const Eigen::Vector2d& apart_px) {
   if (is_given_up(point)) return Side::kRival;
-  const int pairs = std::min(point.updates + point.earlier, kMostPairsDisplaced);
+  const int pairs = std::min(point.updates + point.earlier + point.held, kMostPairsDisplaced);
   return pairs * apart_px.norm() > kDisplacedPx ? Side::kEstimate : Side::kNone;
 }
 

@@ -107,6 +107,8 @@ void fuse(const TrackMapConfig& config, const Innovation& i, bool is_told, bool 
     const Eigen::Matrix3d C = point.covariance_m2 - K * i.H * point.covariance_m2;
     point.covariance_m2 = 0.5 * (C + C.transpose());
     ++point.updates;
+  } else {
+    ++point.held;
   }
   const bool fits = distance2 < kChi2Of3At99Percent;
   const double rate = fits ? config.trust_rate : config.distrust_rate;
@@ -152,6 +154,7 @@ void TrackMap::update(const StereoCamera& camera, std::span<const Track> tracks,
       point.updates = 0;
       point.doubted = 0;
       point.earlier = 0;
+      point.held = 0;
       point.static_weight = kWeightAfterReset;
     }
     if (point.updates == 0) {
@@ -162,7 +165,7 @@ void TrackMap::update(const StereoCamera& camera, std::span<const Track> tracks,
       point.updates = 1;
       continue;
     }
-    point.doubted += is_doubted ? 1 : 0;
+    point.doubted += is_doubted && !is_held ? 1 : 0;
     const bool young = point.updates <= config_.linear_updates;
     fuse(config_,
          young ? innovation_in_space(view, point, z, R) : innovation_in_image(view, point, z, R),
@@ -178,7 +181,8 @@ void TrackMap::begin_again(std::span<const double> shares) {
   for (std::size_t k = 0; k < points_.size(); ++k) {
     MapPoint& point = points_[k];
     const bool belongs = shares[k] > kGivenUpBelow;
-    point.earlier = belongs ? point.earlier + point.updates : 0;
+    point.earlier = belongs ? point.earlier + point.updates + point.held : 0;
+    point.held = 0;
     if (!belongs) point.stood = 0;
     point.updates = 0;
     point.doubted = 0;

@@ -51,7 +51,7 @@ ObjectTable::Tracked* ObjectTable::by_place(const MotionGroup& group) {
     const MovingObject& object = tracked.object;
     const double unseen_s = to_seconds(now_ - tracked.last_evidence);
     if (!tracked.evident &&
-        (object.position_m - group.position_m).norm() <
+        (tracked.box.centre_m - group.centre_m).norm() <
             kReclaimDistance_m + kReclaimDrift_mps * unseen_s &&
         (object.velocity_mps - group.velocity_mps).norm() <
             kReclaimSpeed_mps + kReclaimSpeedShare * group.velocity_mps.norm()) {

@@ -32,6 +32,8 @@ constexpr double kWidestTrunk_m = 1.0;
 constexpr double kTallestTrunk_m = 1.4;
 constexpr double kLegSpan_m = 0.25;  // beside the trunk
 constexpr double kLegLength_m = 1.0;
+constexpr double kHeadHeight_m = 0.35;
+constexpr double kDeepestTrunk_m = 0.5;
 // Error of a surface's centre by its size, however many points show it.
 constexpr double kShapeShare = 0.04;
 constexpr double kYoungVariance = 2.0;  // of a velocity just found, above that of a known one
@@ -93,7 +95,7 @@ bool ObjectTable::are_near(const Tracked& a, const Tracked& b) const {
 // What rests behind both shows between them: they are two.
 bool ObjectTable::are_seen_past(std::span<const PointSample> points, const Tracked& a,
                                 const Tracked& b) {
-  const PixelRect gap = gap_between(a.object.rectangle, b.object.rectangle);
+  const PixelRect gap = gap_between(a.own_rectangle, b.own_rectangle);
   const auto far_side_m = [](const Box& box) { return box.centre_m.z() + 0.5 * box.size_m.z(); };
   const double behind_m = std::max(far_side_m(a.box), far_side_m(b.box)) + kPastDepth_m;
   const auto shows = std::count_if(points.begin(), points.end(), [&](const PointSample& point) {
@@ -114,9 +116,12 @@ bool ObjectTable::is_at(const PointSample& point, const Box& box) {
   return off_m.x() < kLimbSpan_m && off_m.z() < kLimbDepth_m;
 }
 
+// Below it its legs, above it its head.
 bool ObjectTable::hangs_on(const PointSample& point, const Box& trunk) {
-  const Eigen::Vector3d off_m = (point.position_m - trunk.centre_m).cwiseAbs() - 0.5 * trunk.size_m;
-  return off_m.x() < kLegSpan_m && off_m.y() < kLegLength_m && off_m.z() < kLimbDepth_m;
+  const Eigen::Vector3d off_m = point.position_m - trunk.centre_m;
+  const Eigen::Vector3d beside_m = off_m.cwiseAbs() - 0.5 * trunk.size_m;
+  return beside_m.x() < kLegSpan_m && beside_m.z() < kLimbDepth_m &&
+         beside_m.y() < (off_m.y() > 0.0 ? kLegLength_m : kHeadHeight_m);
 }
 
 void ObjectTable::move_on(const StereoCamera& camera, Nanoseconds exposure,
@@ -272,10 +277,11 @@ void ObjectTable::collect(std::span<const PointSample> points, const Tracked& tr
 // The members, and what hangs on a trunk or stands on it: legs, whose velocities are their own. A
 // body that is larger than one has none, but perhaps a shadow.
 Members ObjectTable::outline_of(std::span<const PointSample> points, const Tracked& tracked) {
-  const Eigen::Vector3d size_m = extent_of(points, members_);
-  if (!tracked.confirmed || size_m.x() > kWidestTrunk_m || size_m.y() > kTallestTrunk_m)
-    return members_;
-  const Box trunk{centre_of(points, members_), size_m};
+  const Members seen = seen_by_both(points);
+  if (!tracked.confirmed || seen.empty()) return members_;
+  Box trunk{centre_of(points, seen), extent_of(points, seen)};
+  if (trunk.size_m.x() > kWidestTrunk_m || trunk.size_m.y() > kTallestTrunk_m) return members_;
+  trunk.size_m.z() = std::min(trunk.size_m.z(), kDeepestTrunk_m);
   outline_.assign(members_.begin(), members_.end());
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!points[i].moves || points[i].left_only || owners_[points[i].track] != 0) continue;
@@ -289,6 +295,7 @@ void ObjectTable::measure(const StereoCamera& camera, std::span<const PointSampl
   MovingObject& object = tracked.object;
   const Members outline = outline_of(points, tracked);
   object.rectangle = rectangle_of(points, outline);
+  tracked.own_rectangle = rectangle_of(points, members_);
   object.extent_m = extent_of(points, outline);
   object.points = static_cast<int>(members_.size());
   // Features sit where the texture is: the ray through the rectangle's centre at their depth is

@@ -82,6 +82,7 @@ class ObjectTable {
     std::size_t group = 0;  // points
     std::size_t body = 0;
     Box box;
+    PixelRect own_rectangle;  // of its members, without what hangs on them
   };
 
   [[nodiscard]] bool are_near(const Tracked& a, const Tracked& b) const;

@@ -29,6 +29,7 @@ struct MapPoint {
   int updates = 0;  // 0: position unknown
   int doubted = 0;  // of them, while the wheels contradicted
   int earlier = 0;  // updates before the map began again
+  int held = 0;     // pairs that it was followed in without an update
   int stood = 0;    // pairs without doubt that it stood still in, less those that it moved in
   Eigen::Vector3d P_first_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();
