@@ -117,8 +117,8 @@ bool ObjectTable::is_at(const PointSample& point, const Box& box) {
 }
 
 // Below it its legs, above it its head.
-bool ObjectTable::hangs_on(const PointSample& point, const Box& trunk) {
-  const Eigen::Vector3d off_m = point.position_m - trunk.centre_m;
+bool ObjectTable::hangs_on(const Eigen::Vector3d& position_m, const Box& trunk) {
+  const Eigen::Vector3d off_m = position_m - trunk.centre_m;
   const Eigen::Vector3d beside_m = off_m.cwiseAbs() - 0.5 * trunk.size_m;
   return beside_m.x() < kLegSpan_m && beside_m.z() < kLimbDepth_m &&
          beside_m.y() < (off_m.y() > 0.0 ? kLegLength_m : kHeadHeight_m);
@@ -285,7 +285,7 @@ Members ObjectTable::outline_of(std::span<const PointSample> points, const Track
   outline_.assign(members_.begin(), members_.end());
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!points[i].moves || points[i].left_only || owners_[points[i].track] != 0) continue;
-    if (hangs_on(points[i], trunk)) outline_.push_back(static_cast<Grouper::Index>(i));
+    if (hangs_on(points[i].position_m, trunk)) outline_.push_back(static_cast<Grouper::Index>(i));
   }
   return outline_.size() < members_.size() + kLeastPoints ? Members(members_) : Members(outline_);
 }
