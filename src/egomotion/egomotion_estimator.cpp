@@ -99,9 +99,7 @@ void EgomotionEstimator::follow(const TrackSet& tracks, Egomotion& motion) {
     begin(tracks, motion);
     return start_anew(EstimateReason::kReseeded, tracks, motion);
   }
-  if (const auto common = gauss_newton_.common_error();
-      common && config_.method == EgomotionMethod::kGaussNewton)
-    error_growth_.note(*common, dt_s_);
+  note_common_error();
   Solution other;
   const bool has_rival = weigh_rival(tracks, solution, other, motion);
   const bool contradicted = wheels_contradict(solution, motion);
@@ -482,6 +480,11 @@ void EgomotionEstimator::adapt_noise_scale() {
   const double ratio = std::max(kMinNoiseRatio, median(scratch_, kMedianChi2Of3)) / kMedianChi2Of3;
   noise_scale_ =
       std::clamp(noise_scale_ * std::pow(ratio, kNoiseScaleRate), kMinNoiseScale, kMaxNoiseScale);
+}
+
+void EgomotionEstimator::note_common_error() {
+  if (config_.method != EgomotionMethod::kGaussNewton) return;
+  if (const auto common = gauss_newton_.common_error()) error_growth_.note(*common, dt_s_);
 }
 
 VelocityState EgomotionEstimator::unknown_velocity() const {

@@ -38,6 +38,8 @@ constexpr float kFirstNccLevel = 0.9F;
 constexpr float kRenewedNccLevel = 0.85F;
 constexpr std::size_t kMostRows = 150;  // that tell a turn of the right camera, a pair
 constexpr float kNccMemory = 0.98F;
+// Few, in buckets that are small for it: else a wall's bricks leave none to plain things before it.
+constexpr int kCornersPerBucket = 3;
 
 bool usable(const StereoPair& pair) {
   return pair.status == PairStatus::kOk && pair.left.width_px() >= kMinImageSide_px &&
@@ -53,6 +55,7 @@ FeaturesConfig with_track_count(FeaturesConfig config) {
 
 CornerConfig corner_config(const FeaturesConfig& config, int width_px, int height_px) {
   CornerConfig corners;
+  corners.corners_per_bucket = kCornersPerBucket;
   // Not every bucket has texture: room for a third more than can be had.
   const double places = 1.33 * config.max_tracks;
   const double area = static_cast<double>(width_px) * height_px * corners.corners_per_bucket;

@@ -276,8 +276,8 @@ void ObjectTable::collect(std::span<const PointSample> points, const Tracked& tr
 
 // The members, and what hangs on a trunk or stands on it: legs, whose velocities are their own. A
 // body that is larger than one has none, but perhaps a shadow.
-Members ObjectTable::outline_of(std::span<const PointSample> points, const Tracked& tracked) {
-  const Members seen = seen_by_both(points);
+Members ObjectTable::outline_of(std::span<const PointSample> points, Members seen,
+                                const Tracked& tracked) {
   if (!tracked.confirmed || seen.empty()) return members_;
   Box trunk{centre_of(points, seen), extent_of(points, seen)};
   if (trunk.size_m.x() > kWidestTrunk_m || trunk.size_m.y() > kTallestTrunk_m) return members_;
@@ -293,14 +293,14 @@ Members ObjectTable::outline_of(std::span<const PointSample> points, const Track
 void ObjectTable::measure(const StereoCamera& camera, std::span<const PointSample> points,
                           Tracked& tracked) {
   MovingObject& object = tracked.object;
-  const Members outline = outline_of(points, tracked);
+  const Members seen = seen_by_both(points);
+  const Members outline = outline_of(points, seen, tracked);
   object.rectangle = rectangle_of(points, outline);
   tracked.own_rectangle = rectangle_of(points, members_);
   object.extent_m = extent_of(points, outline);
   object.points = static_cast<int>(members_.size());
   // Features sit where the texture is: the ray through the rectangle's centre at their depth is
   // nearer to the centre of the visible surface than their mean.
-  const Members seen = seen_by_both(points);
   const double z_m = seen.empty() ? object.position_m.z() : mean_position(points, seen).z();
   const PixelRect& r = object.rectangle;
   object.position_m = {(0.5 * (r.u_min_px + r.u_max_px) - camera.cx_px) / camera.fx_px * z_m,

@@ -108,7 +108,8 @@ class ObjectTable {
   [[nodiscard]] bool belongs(const PointSample& point, const Tracked& tracked) const;
   void collect(std::span<const PointSample> points, const Tracked& tracked);
   void measure(const StereoCamera& camera, std::span<const PointSample> points, Tracked& tracked);
-  [[nodiscard]] Members outline_of(std::span<const PointSample> points, const Tracked& tracked);
+  [[nodiscard]] Members outline_of(std::span<const PointSample> points, Members seen,
+                                   const Tracked& tracked);
   [[nodiscard]] Members seen_by_both(std::span<const PointSample> points);
   [[nodiscard]] Members trunk_of(std::span<const PointSample> points, Members members,
                                  const Tracked& tracked);

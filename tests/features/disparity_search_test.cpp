@@ -88,7 +88,7 @@ TEST(DisparitySearchTest, FollowsASlantedSurface) {
                 testing::painted(kWidth_px, kHeight_px,
                                  [&](int u, int v) { return texture(u + truth(0, v), v); })};
   const Outcome o = run(rig, truth, 80);
-  EXPECT_LE(o.wrong, 0.02 * o.all());
+  EXPECT_LE(o.wrong, 0.01 * o.all());
   EXPECT_GE(o.found, 0.85 * o.all());
 }
 

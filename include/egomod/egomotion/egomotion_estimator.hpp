@@ -95,6 +95,7 @@ class EgomotionEstimator {
   [[nodiscard]] Vector6d doubt_scale(const TrackSet& tracks, const Solution& solution);
   void keep_velocity(const Egomotion& motion);
   void adapt_noise_scale();
+  void note_common_error();
   [[nodiscard]] VelocityState unknown_velocity() const;
   void watch_for_holes(const TrackSet& tracks);
 

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <cstddef>
-#include <optional>
 #include <span>
 
 #include "egomod/core/geometry.hpp"

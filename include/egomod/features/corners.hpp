@@ -26,8 +26,8 @@ struct Corner {
 };
 
 struct CornerConfig {
-  int bucket_px = 28;           // side of a bucket
-  int corners_per_bucket = 3;   // old and new ones together
+  int bucket_px = 40;           // side of a bucket
+  int corners_per_bucket = 6;   // old and new ones together
   int min_distance_px = 7;      // between any two; at most kMaxDistance_px
   int border_px = 8;            // at least kCornerMargin_px
   int min_contrast = 3;         // grey levels between a corner and its surroundings
