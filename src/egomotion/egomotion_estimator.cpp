@@ -165,7 +165,7 @@ void EgomotionEstimator::start_anew(EstimateReason reason, const TrackSet& track
   pair_velocity_.clear();
   is_first_motion_ = true;
   error_of_readout_.clear();
-  error_of_scale_.clear();
+  scale_doubt_.clear();
   rows_ = {};
   map_.clear();
   map_.align(tracks.tracks, 0.0);
@@ -396,9 +396,10 @@ void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution
   ++explained_pairs_;
   motion.reason = after_hole_ ? EstimateReason::kHole : EstimateReason::kNone;
   after_hole_ = false;
-  const Vector6d wrong_scale = doubt_scale(tracks, solution);
+  pose_.doubt(
+      scale_doubt_.note(tracks, correspondences_, solution.T_previous_current, dt_s_, scratch_));
   const double share = motion.inliers / static_cast<double>(correspondences_.size()) /
-                       (1.0 + std::pow(scale_sigma_ / kScaleOfHalfQuality, 2));
+                       (1.0 + std::pow(scale_doubt_.sigma() / kScaleOfHalfQuality, 2));
   motion.quality = std::clamp(
       static_cast<int>(
           std::lround(100 * share * std::min(1.0, motion.inliers / kInliersOfFullQuality))),
@@ -406,7 +407,7 @@ void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution
   motion.T_previous_current = solution.T_previous_current;
   const Matrix6d Ad = adjoint(solution.T_previous_current.inverse());
   motion.covariance_previous_current = solution.covariance + Ad * against_map_ * Ad.transpose();
-  motion.covariance_previous_current += wrong_scale * wrong_scale.transpose();
+  motion.covariance_previous_current += scale_doubt_.error() * scale_doubt_.error().transpose();
   pose_.compose(solution.T_previous_current,
                 error_growth_.share(known_points(), dt_s_) * solution.covariance);
   if (config_.map) against_map_ = solution.covariance;
@@ -426,21 +427,6 @@ void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution
   if (learns) map_.change_readout(readout_.change_s());
   reference_exposure_ = tracks.exposure;
   wheels_prior_.keep(tracks, solution, dt_s_);
-}
-
-// Of the motion, by one standard deviation of what is not known of the right camera's turn: near
-// and far points then lie too near or too far, those at the median disparity by this share.
-Vector6d EgomotionEstimator::doubt_scale(const TrackSet& tracks, const Solution& solution) {
-  scale_sigma_ = 0.0;
-  Vector6d error = Vector6d::Zero();
-  if (!tracks.right_turn.is_off) return error;
-  scratch_.clear();
-  for (const Correspondence& c : correspondences_) scratch_.push_back(c.observed_px.z());
-  const double disparity_px = std::max(median(scratch_, 1.0), 1.0);
-  scale_sigma_ = tracks.camera.fx_px * tracks.right_turn.yaw_sigma_rad / disparity_px;
-  error.head<3>() = scale_sigma_ * solution.T_previous_current.translation();
-  pose_.doubt(error_of_scale_.add(error, solution.T_previous_current, dt_s_));
-  return error;
 }
 
 void EgomotionEstimator::keep_velocity(const Egomotion& motion) {

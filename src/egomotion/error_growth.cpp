@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "egomod/egomotion/statistics.hpp"
+
 namespace egomod {
 namespace {
 
@@ -36,6 +38,20 @@ Matrix6d LastingError::add(const Vector6d& error, const Eigen::Isometry3d& T_pre
                            double dt_s) {
   second_ = std::exp(-dt_s) * adjoint(T_previous_current.inverse()) * second_ + error;
   return dt_s * second_ * second_.transpose();
+}
+
+Matrix6d ScaleDoubt::note(const TrackSet& tracks, std::span<const Correspondence> seen,
+                          const Eigen::Isometry3d& T_previous_current, double dt_s,
+                          std::vector<double>& scratch) {
+  sigma_ = 0.0;
+  error_.setZero();
+  if (!tracks.right_turn.is_off) return Matrix6d::Zero();
+  scratch.clear();
+  for (const Correspondence& c : seen) scratch.push_back(c.observed_px.z());
+  const double disparity_px = std::max(median(scratch, 1.0), 1.0);
+  sigma_ = tracks.camera.fx_px * tracks.right_turn.yaw_sigma_rad / disparity_px;
+  error_.head<3>() = sigma_ * T_previous_current.translation();
+  return lasting_.add(error_, T_previous_current, dt_s);
 }
 
 }  // namespace egomod

@@ -202,6 +202,24 @@ TEST_F(FilterOnTrunk, WhatMovesBelowALargeBodyIsNot) {
   EXPECT_LT(reach_below({1.8, 0.7, 0.2}), 0.1);
 }
 
+// More than half as many points as the trunk shows, once the trunk has been known for a second.
+TEST_F(Filter, ArmThatBeginsToSwingIsNoObject) {
+  rest_rig();
+  world.add_background(300);
+  const Eigen::Vector3d walk_mps{0.4, 0.0, 0.0};
+  world.add_box(10, {-1.0, 0.0, 5.0}, {0.4, 0.9, 0.2}, walk_mps);
+  world.add_box(7, {-1.0, 0.1, 4.8}, {0.1, 0.5, 0.1}, walk_mps);
+  int pair = 0;
+  for (; pair < 45; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  turn(pair - 1, 310, {0.9, 0.0, 0.0});
+  for (; pair < 65; ++pair) {
+    run(pair);
+    ASSERT_LE(moving(), 1) << "pair " << pair;
+  }
+  EXPECT_EQ(moving(), 1);
+}
+
 TEST_F(Filter, ArmBesideItsTrunkIsNoObject) {
   rest_rig();
   world.add_background(300);

@@ -92,7 +92,6 @@ class EgomotionEstimator {
   void doubt(const Solution& other, EstimateReason reason, Egomotion& motion);
   void fail(EstimateReason reason, const TrackSet& tracks, Egomotion& motion);
 
-  [[nodiscard]] Vector6d doubt_scale(const TrackSet& tracks, const Solution& solution);
   void keep_velocity(const Egomotion& motion);
   void adapt_noise_scale();
   void note_common_error();
@@ -112,8 +111,7 @@ class EgomotionEstimator {
   RowTiming rows_;                 // of this pair
   bool is_first_motion_ = true;    // since the map was begun
   LastingError error_of_readout_;  // that a second of readout makes
-  double scale_sigma_ = 0.0;       // by what is not known of the right camera's turn
-  LastingError error_of_scale_;
+  ScaleDoubt scale_doubt_;
   PoseAccumulator pose_;
   // Of the last pose against the map: white, and part of the next motion's error. Zero without map.
   Matrix6d against_map_ = Matrix6d::Zero();

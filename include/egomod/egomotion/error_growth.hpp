@@ -3,8 +3,11 @@
 
 #include <Eigen/Geometry>
 #include <span>
+#include <vector>
 
 #include "egomod/core/geometry.hpp"
+#include "egomod/core/track_set.hpp"
+#include "egomod/egomotion/correspondence.hpp"
 #include "egomod/egomotion/track_map.hpp"
 
 namespace egomod {
@@ -35,6 +38,26 @@ class LastingError {
 
  private:
   Vector6d second_ = Vector6d::Zero();
+};
+
+// What is not known of the right camera's turn: near and far points lie too near or too far by it,
+// those at the median disparity by a share, and so is the way wrong.
+class ScaleDoubt {
+ public:
+  void clear() { lasting_.clear(); }
+  // Returns what the pose's covariance grows by, and keeps the rest. `scratch`: for the
+  // disparities.
+  [[nodiscard]] Matrix6d note(const TrackSet& tracks, std::span<const Correspondence> seen,
+                              const Eigen::Isometry3d& T_previous_current, double dt_s,
+                              std::vector<double>& scratch);
+  [[nodiscard]] double sigma() const { return sigma_; }  // share of a length
+  // Of this pair's motion (m, rad), one standard deviation.
+  [[nodiscard]] const Vector6d& error() const { return error_; }
+
+ private:
+  double sigma_ = 0.0;
+  Vector6d error_ = Vector6d::Zero();
+  LastingError lasting_;
 };
 
 }  // namespace egomod
