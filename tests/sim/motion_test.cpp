@@ -47,5 +47,15 @@ TEST(Motion, RoundsCornersWithoutJumps) {
   }
 }
 
+TEST(Motion, ComesNoFurtherThanItsPath) {
+  const Motion walk{.path = rounded_path({{0, 0}, {0, 4}}, 0.0), .profile = {.speed_mps = 1.0}};
+  EXPECT_NEAR(way_m(walk, 3.0), 3.0, kExact);
+  EXPECT_NEAR(way_m(walk, 5.0), 4.0, kExact);
+  const Motion spin{
+      .path = endless_path({}, 0.0), .profile = {.speed_mps = 1.0}, .spin_radps = 0.5};
+  EXPECT_EQ(way_m(spin, 3.0), 0.0);
+  EXPECT_NEAR(pose_at(spin, 3.0).heading_rad, 1.5, kExact);
+}
+
 }  // namespace
 }  // namespace egomod::sim

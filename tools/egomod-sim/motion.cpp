@@ -104,11 +104,16 @@ PlanPose pose_at(const Path& path, double along_m) {
 }
 
 PlanPose pose_at(const Motion& motion, double t_s) {
-  const double along = distance_m(motion.profile, t_s);
-  const bool spins = motion.spin_radps != 0.0;
-  PlanPose pose = pose_at(motion.path, spins ? 0.0 : along);
-  pose.heading_rad += motion.facing_rad + (spins ? motion.spin_radps * along : 0.0);
+  PlanPose pose = pose_at(motion.path, way_m(motion, t_s));
+  pose.heading_rad += motion.facing_rad + motion.spin_radps * distance_m(motion.profile, t_s);
   return pose;
+}
+
+double way_m(const Motion& motion, double t_s) {
+  if (motion.spin_radps != 0.0) return 0.0;
+  double length_m = 0.0;
+  for (const PathPiece& piece : motion.path) length_m += piece.length_m;
+  return std::min(distance_m(motion.profile, t_s), length_m);
 }
 
 }  // namespace egomod::sim

@@ -51,5 +51,7 @@ struct Motion {
   double facing_rad = 0.0;  // from the direction of motion
 };
 [[nodiscard]] PlanPose pose_at(const Motion& motion, double t_s);
+// How far it has come along its path, whose end it does not pass; 0 where it turns in place.
+[[nodiscard]] double way_m(const Motion& motion, double t_s);
 
 }  // namespace egomod::sim

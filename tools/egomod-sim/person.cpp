@@ -59,11 +59,11 @@ struct Gait {
 };
 
 Gait gait(const Motion& motion, double side, double t_s) {
-  const double way_m = motion.spin_radps != 0.0 ? 0.0 : distance_m(motion.profile, t_s);
-  const double phase = 2.0 * M_PI * way_m / kStride_m;
+  const double come_m = way_m(motion, t_s);
+  const double phase = 2.0 * M_PI * come_m / kStride_m;
   const double swing = side * std::sin(phase);
   // Standing, both knees are straight: the bend begins with the first step.
-  const double begun = std::min(1.0, way_m / (0.25 * kStride_m));
+  const double begun = std::min(1.0, come_m / (0.25 * kStride_m));
   const double bend = std::max(0.0, side * std::cos(phase)) * begun;
   return {kLegSwing_rad * swing, -kKnee_rad * bend, -kArmSwing_rad * swing,
           kElbow_rad * (1.0 - 0.5 * swing)};

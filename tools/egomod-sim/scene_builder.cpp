@@ -127,8 +127,7 @@ double wave(double way_m, double wavelength_m, double phase) {
 Trajectory rig_trajectory(const Rig& rig) {
   return [rig](double t_s) {
     const PlanPose at = pose_at(rig.motion, t_s);
-    const double way_m = rig.motion.spin_radps != 0.0 ? 0.0 : distance_m(rig.motion.profile, t_s);
-    return T_world_camera(rig, at, way_m);
+    return T_world_camera(rig, at, way_m(rig.motion, t_s));
   };
 }
 
