@@ -17,6 +17,8 @@ constexpr double kEvidenceMemory = 0.9;  // of one pair
 constexpr double kMostEvidencePerPair = 40.0;
 constexpr std::size_t kLimbRatio = 2;
 constexpr double kLimbWidth_m = 0.3;
+constexpr double kLimbSwing_m = 0.4;  // beside the trunk
+constexpr double kLimbMemory_s = 0.3;
 constexpr double kLimbReach_m = 0.3;  // from the rectangle
 constexpr float kUpright = 3.0F;      // of that, up and down
 
@@ -62,13 +64,14 @@ ObjectTable::Tracked* ObjectTable::by_place(const MotionGroup& group) {
   return nullptr;
 }
 
-// A group beside an object with many more points, in one body with it, or a thin one with fewer at
-// one that has been known for some time: an arm or a leg.
+// A group beside an object with many more points, in one body with it, or a thin one at one that
+// has been known for some time: an arm or a leg.
 bool ObjectTable::is_limb(const MotionGroup& group) const {
   return std::any_of(objects_.begin(), objects_.end(), [&](const Tracked& tracked) {
     const bool is_thin = group.size_m.x() < kLimbWidth_m && tracked.object.age_s > kKnown_s;
-    if (is_thin && tracked.confirmed && group.count < tracked.group &&
-        hangs_on(group.centre_m, tracked.box))
+    const bool is_seen = to_seconds(now_ - tracked.last_evidence) < kLimbMemory_s;
+    if (is_thin && is_seen && tracked.confirmed &&
+        hangs_on(group.centre_m, tracked.box, kLimbSwing_m))
       return true;
     return tracked.evident && tracked.body == group.body &&
            kLimbRatio * group.count < tracked.group;

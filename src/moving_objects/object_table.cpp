@@ -20,6 +20,7 @@ constexpr double kKeepPurityShare = 0.5;  // of the purity that opens an object
 constexpr double kManoeuvre_s = 1.0;      // how long an unseen one lasts
 constexpr double kPartGapShare = 0.4;     // of the larger one's size, across the line of sight
 constexpr double kPartDepthShare = 1.0;
+constexpr double kUprightReach = 2.25;   // of a gap up and down, by that of one sideways
 constexpr double kPartSpeed_mps = 0.05;  // plus a share of the speed, 99 % and rotation
 constexpr double kPartSpeedShare = 0.03;
 constexpr double kPartChi2 = 11.34;
@@ -29,9 +30,8 @@ constexpr double kLimbSpan_m = 0.4;  // beside the trunk
 constexpr double kLimbDepth_m = 0.5;
 // Of a person, whose legs are found without the trunk's velocity.
 constexpr double kWidestTrunk_m = 1.0;
-constexpr double kTallestTrunk_m = 1.4;
 constexpr double kLegSpan_m = 0.25;  // beside the trunk
-constexpr double kLegLength_m = 1.0;
+constexpr double kTallest_m = 1.9;   // with its legs
 constexpr double kHeadHeight_m = 0.35;
 constexpr double kDeepestTrunk_m = 0.5;
 // Error of a surface's centre by its size, however many points show it.
@@ -82,13 +82,15 @@ ObjectTable::ObjectTable(const MovingObjectsConfig& config, const ObjectGates& g
 
 // By the free space between their boxes along each axis.
 bool ObjectTable::are_near(const Tracked& a, const Tracked& b) const {
-  const Eigen::Vector3d gap =
+  Eigen::Vector3d gap =
       ((a.box.centre_m - b.box.centre_m).cwiseAbs() - 0.5 * (a.box.size_m + b.box.size_m))
           .cwiseMax(0.0);
+  gap.y() /= kUprightReach;
   const double size_m = std::max(a.box.size_m.maxCoeff(), b.box.size_m.maxCoeff());
+  const double width_m = std::max(a.box.size_m.x(), b.box.size_m.x());
   const double sigma_m =
       std::sqrt(a.object.position_covariance_m2(2, 2) + b.object.position_covariance_m2(2, 2));
-  return gap.head<2>().norm() < std::max(config_.neighbour_distance_m, kPartGapShare * size_m) &&
+  return gap.head<2>().norm() < std::max(config_.neighbour_distance_m, kPartGapShare * width_m) &&
          gap.z() < std::max(config_.neighbour_depth_m, kPartDepthShare * size_m) + 2.5 * sigma_m;
 }
 
@@ -116,12 +118,14 @@ bool ObjectTable::is_at(const PointSample& point, const Box& box) {
   return off_m.x() < kLimbSpan_m && off_m.z() < kLimbDepth_m;
 }
 
-// Below it its legs, above it its head.
-bool ObjectTable::hangs_on(const Eigen::Vector3d& position_m, const Box& trunk) {
+// Below it its legs, above it its head: all of it no taller than a person.
+bool ObjectTable::hangs_on(const Eigen::Vector3d& position_m, const Box& trunk,
+                           double beside_reach_m) {
   const Eigen::Vector3d off_m = position_m - trunk.centre_m;
   const Eigen::Vector3d beside_m = off_m.cwiseAbs() - 0.5 * trunk.size_m;
-  return beside_m.x() < kLegSpan_m && beside_m.z() < kLimbDepth_m &&
-         beside_m.y() < (off_m.y() > 0.0 ? kLegLength_m : kHeadHeight_m);
+  return beside_m.x() < beside_reach_m && beside_m.z() < kLimbDepth_m &&
+         -off_m.y() - 0.5 * trunk.size_m.y() < kHeadHeight_m &&
+         off_m.y() + 0.5 * trunk.size_m.y() < kTallest_m;
 }
 
 void ObjectTable::move_on(const StereoCamera& camera, Nanoseconds exposure,
@@ -280,12 +284,13 @@ Members ObjectTable::outline_of(std::span<const PointSample> points, Members see
                                 const Tracked& tracked) {
   if (!tracked.confirmed || seen.empty()) return members_;
   Box trunk{centre_of(points, seen), extent_of(points, seen)};
-  if (trunk.size_m.x() > kWidestTrunk_m || trunk.size_m.y() > kTallestTrunk_m) return members_;
+  if (trunk.size_m.x() > kWidestTrunk_m || trunk.size_m.y() > kTallest_m) return members_;
   trunk.size_m.z() = std::min(trunk.size_m.z(), kDeepestTrunk_m);
   outline_.assign(members_.begin(), members_.end());
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!points[i].moves || points[i].left_only || owners_[points[i].track] != 0) continue;
-    if (hangs_on(points[i].position_m, trunk)) outline_.push_back(static_cast<Grouper::Index>(i));
+    if (hangs_on(points[i].position_m, trunk, kLegSpan_m))
+      outline_.push_back(static_cast<Grouper::Index>(i));
   }
   return outline_.size() < members_.size() + kLeastPoints ? Members(members_) : Members(outline_);
 }

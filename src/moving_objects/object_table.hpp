@@ -100,7 +100,8 @@ class ObjectTable {
                                 const MotionGroups& finder);
   [[nodiscard]] static Box joined(const Box& a, const Box& b);
   [[nodiscard]] static bool is_at(const PointSample& point, const Box& box);
-  [[nodiscard]] static bool hangs_on(const Eigen::Vector3d& position_m, const Box& trunk);
+  [[nodiscard]] static bool hangs_on(const Eigen::Vector3d& position_m, const Box& trunk,
+                                     double beside_reach_m);
   [[nodiscard]] bool is_limb(const MotionGroup& group) const;
   void take_group(const MotionGroup& group, Tracked& tracked);
   void adopt_limbs(const StereoCamera& camera, std::span<const PointSample> points,

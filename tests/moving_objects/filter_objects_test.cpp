@@ -220,6 +220,33 @@ TEST_F(Filter, ArmThatBeginsToSwingIsNoObject) {
   EXPECT_EQ(moving(), 1);
 }
 
+// Of a person in plain clothes there may be no more to be seen than the head and a shoe.
+TEST_F(Filter, FootThatStepsFarBelowAHeadIsNoObject) {
+  rest_rig();
+  world.add_background(300);
+  world.add_box(6, {-1.0, -0.8, 5.0}, {0.18, 0.2, 0.15}, {0.4, 0.0, 0.0});
+  world.add_box(7, {-0.4, 0.7, 5.0}, {0.2, 0.1, 0.2}, Eigen::Vector3d::Zero());
+  int pair = 0;
+  for (; pair < 40; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  turn(pair - 1, 306, {0.9, 0.0, 0.0});
+  for (; pair < 55; ++pair) {
+    run(pair);
+    ASSERT_LE(moving(), 1) << "pair " << pair;
+  }
+  EXPECT_EQ(moving(), 1);
+}
+
+TEST_F(Filter, HeadHighAboveLegsOfItsVelocityIsOneWithThem) {
+  rest_rig();
+  world.add_background(300);
+  const Eigen::Vector3d walk_mps{0.6, 0.0, 0.0};
+  world.add_box(8, {-1.0, -0.8, 5.0}, {0.18, 0.2, 0.15}, walk_mps);
+  world.add_box(12, {-1.0, 0.2, 5.0}, {0.3, 0.7, 0.2}, walk_mps);
+  for (int pair = 0; pair < 30; ++pair) run(pair);
+  EXPECT_EQ(moving(), 1);
+}
+
 TEST_F(Filter, ArmBesideItsTrunkIsNoObject) {
   rest_rig();
   world.add_background(300);
