@@ -2,6 +2,7 @@
 #include "egomod/features/corners.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <tuple>
@@ -42,10 +43,36 @@ float noise_eigenvalue(float sigma) {
   return sigma * sigma * kSobelNoise / (kSobelGain * kSobelGain);
 }
 
-bool eight_are_zero(const std::uint8_t* p) {
-  std::uint64_t bytes;
-  std::memcpy(&bytes, p, sizeof(bytes));
-  return bytes == 0;
+// Of the hits, the one with the most contrast has the smallest key, then the upper, the left one.
+constexpr int kRowShift = 24;
+constexpr int kContrastShift = 48;
+constexpr std::uint64_t kMaxContrast = 255;
+
+std::uint64_t hit_key(PixelPosition p, std::uint8_t contrast) {
+  return (kMaxContrast - contrast) << kContrastShift |
+         static_cast<std::uint64_t>(p.v_px) << kRowShift | static_cast<std::uint64_t>(p.u_px);
+}
+
+PixelPosition hit_position(std::uint64_t key) {
+  constexpr std::uint64_t mask = (std::uint64_t{1} << kRowShift) - 1;
+  return {static_cast<int>(key & mask), static_cast<int>(key >> kRowShift & mask)};
+}
+
+// Calls `visit(i)` for each of the row's bytes that is not zero, from left to right. Reads eight at
+// a time.
+template <typename Visit>
+void each_nonzero(const std::uint8_t* row, int width, Visit visit) {
+  static_assert(std::endian::native == std::endian::little);
+  for (int first = 0; first < width; first += 8) {
+    std::uint64_t bytes;
+    std::memcpy(&bytes, row + first, sizeof(bytes));
+    while (bytes != 0) {
+      const int byte = std::countr_zero(bytes) / 8;
+      if (first + byte >= width) return;
+      visit(first + byte);
+      bytes &= ~(std::uint64_t{0xFF} << 8 * byte);
+    }
+  }
 }
 
 }  // namespace
@@ -56,6 +83,7 @@ CornerDetector::CornerDetector(const CornerConfig& config) : config_(config) {
   config_.min_distance_px = std::clamp(config_.min_distance_px, 1, kMaxDistance_px);
   lay_out_disc();
   hits_.reserve(static_cast<std::size_t>(config_.bucket_px * config_.bucket_px));
+  scored_.reserve(hits_.capacity());
 }
 
 void CornerDetector::lay_out(const ImageView& image) {
@@ -151,22 +179,13 @@ void CornerDetector::collect_hits(const Bucket& bucket) {
   const int width = bucket.u1 - bucket.u0;
   hits_.clear();
   for (int v = bucket.v0; v < bucket.v1; ++v) {
-    const std::ptrdiff_t row = (v - bucket.v0 + 1) * stride + 1;
     const std::uint8_t* const blocked =
         blocked_.data() + static_cast<std::ptrdiff_t>(v) * width_px_ + bucket.u0;
-    kernels.peaks(contrast_.data() + row, stride, blocked, width, peaks_.data());
-    for (int i = 0; i < width; ++i) {
-      const std::uint8_t* const peak = peaks_.data() + i;
-      if (eight_are_zero(peak)) {
-        i += 7;
-        continue;
-      }
-      if (*peak == 0) continue;
-      const bool bright = bright_[static_cast<std::size_t>(row + i)] != 0;
-      hits_.push_back({.corner = {.position = {bucket.u0 + i, v},
-                                  .kind = bright ? CornerKind::kBright : CornerKind::kDark},
-                       .contrast = *peak});
-    }
+    kernels.peaks(contrast_.data() + (v - bucket.v0 + 1) * stride + 1, stride, blocked, width,
+                  peaks_.data());
+    each_nonzero(peaks_.data(), width, [&](int i) {
+      hits_.push_back(hit_key({bucket.u0 + i, v}, peaks_[static_cast<std::size_t>(i)]));
+    });
   }
 }
 
@@ -174,40 +193,42 @@ void CornerDetector::keep_strongest_hits(int wanted) {
   const auto limit =
       static_cast<std::size_t>(std::max(kMinScoredHits, kScoredHitsPerCorner * wanted));
   if (hits_.size() <= limit) return;
-  const auto order = [](const Hit& h) {
-    return std::tuple(-h.contrast, h.corner.position.v_px, h.corner.position.u_px);
-  };
-  std::nth_element(hits_.begin(), hits_.begin() + static_cast<std::ptrdiff_t>(limit), hits_.end(),
-                   [&](const Hit& a, const Hit& b) { return order(a) < order(b); });
+  std::nth_element(hits_.begin(), hits_.begin() + static_cast<std::ptrdiff_t>(limit), hits_.end());
   hits_.resize(limit);
 }
 
-void CornerDetector::score_hits(const ImageView& image) {
+void CornerDetector::score_hits(const ImageView& image, const Bucket& bucket) {
   const ImageKernels kernels = image_kernels();
   const float noise = noise_eigenvalue(noise_sigma_);
   const float least = std::max(config_.min_eigenvalue, kNoiseMargin * noise);
-  std::erase_if(hits_, [&](Hit& hit) {
-    const PixelPosition p = hit.corner.position;
+  scored_.clear();
+  for (const std::uint64_t hit : hits_) {
+    const PixelPosition p = hit_position(hit);
     const WindowSums sums = kernels.window_sums(image.row(p.v_px) + p.u_px, image.stride_bytes);
-    hit.corner.min_eigenvalue = min_eigenvalue(sums) - noise;
-    return hit.corner.min_eigenvalue < least || looks_like_noise(sums);
-  });
+    const float eigenvalue = min_eigenvalue(sums) - noise;
+    if (eigenvalue < least || looks_like_noise(sums)) continue;
+    const std::ptrdiff_t at = (p.v_px - bucket.v0 + 1) * bucket_stride() + p.u_px - bucket.u0 + 1;
+    const bool bright = bright_[static_cast<std::size_t>(at)] != 0;
+    scored_.push_back({.position = p,
+                       .kind = bright ? CornerKind::kBright : CornerKind::kDark,
+                       .min_eigenvalue = eigenvalue});
+  }
 }
 
 void CornerDetector::select(int wanted, std::vector<Corner>& corners) {
-  const auto order = [](const Hit& h) {
-    return std::tuple(-h.corner.min_eigenvalue, h.corner.position.v_px, h.corner.position.u_px);
+  const auto order = [](const Corner& c) {
+    return std::tuple(-c.min_eigenvalue, c.position.v_px, c.position.u_px);
   };
-  std::sort(hits_.begin(), hits_.end(),
-            [&](const Hit& a, const Hit& b) { return order(a) < order(b); });
+  std::sort(scored_.begin(), scored_.end(),
+            [&](const Corner& a, const Corner& b) { return order(a) < order(b); });
   int rank = 0;
-  for (const Hit& hit : hits_) {
+  for (const Corner& corner : scored_) {
     if (rank == wanted) return;
-    const PixelPosition p = hit.corner.position;
+    const PixelPosition p = corner.position;
     const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(p.v_px) * width_px_ + p.u_px;
     if (blocked_[static_cast<std::size_t>(at)] != 0) continue;
     block(p.u_px, p.v_px);
-    corners.push_back(hit.corner);
+    corners.push_back(corner);
     corners.back().rank = rank++;
   }
 }
@@ -226,7 +247,7 @@ void CornerDetector::search(const ImageView& image, const Bucket& bucket, int wa
   }
   collect_hits(bucket);
   keep_strongest_hits(wanted);
-  score_hits(image);
+  score_hits(image, bucket);
   select(wanted, corners);
 }
 

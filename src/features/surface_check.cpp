@@ -39,11 +39,17 @@ StereoMeasurement carried_on(const FollowedPoint& neighbour, ImagePoint to) {
 class Neighbours {
  public:
   Neighbours(const PlaceGrid& grid, ImagePoint centre, const FollowedPoint& point) {
-    grid.each_around(centre, [&](const FollowedPoint& other, ImagePoint off) {
+    const auto take = [&](const FollowedPoint& other, ImagePoint off) {
       const float distance2_px2 = off.u_px * off.u_px + off.v_px * off.v_px;
       if (count_ == kNearest && distance2_px2 >= nearest_.back().distance2_px2) return;
       if (other.stereo.valid && other.id != point.id) add({&other, distance2_px2});
-    });
+    };
+    grid.each_near(centre, take);
+    // Those that are near are all there are as far as that.
+    constexpr float near2_px2 = PlaceGrid::kNear_px * PlaceGrid::kNear_px;
+    if (count_ == kNearest && nearest_.back().distance2_px2 <= near2_px2) return;
+    count_ = 0;
+    grid.each_around(centre, take);
   }
   [[nodiscard]] auto begin() const { return nearest_.begin(); }
   [[nodiscard]] auto end() const { return nearest_.begin() + static_cast<std::ptrdiff_t>(count_); }

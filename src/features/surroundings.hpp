@@ -13,10 +13,11 @@
 namespace egomod {
 
 // Finds points by their place in one image without looking at all of them: they are sorted into
-// cells as wide as the reach. Nothing is allocated after construction.
+// cells half as wide as the reach. Nothing is allocated after construction.
 class PlaceGrid {
  public:
   static constexpr float kReach_px = 80.0F;
+  static constexpr float kNear_px = 0.5F * kReach_px;
 
   explicit PlaceGrid(int capacity) {
     cells_.reserve(static_cast<std::size_t>(capacity));
@@ -47,15 +48,12 @@ class PlaceGrid {
   // too. `off` is how far from there.
   template <typename Visit>
   void each_around(ImagePoint centre, Visit visit) const {
-    const int column = cell_along(centre.u_px), row = cell_along(centre.v_px);
-    const int first = std::max(column - 1, 0), last = std::min(column + 1, kCells - 1);
-    for (int r = std::max(row - 1, 0); r <= std::min(row + 1, kCells - 1); ++r) {
-      for (auto i = starts_[cell(first, r)]; i < starts_[cell(last, r) + 1]; ++i) {
-        const ImagePoint off = places_[i].at - centre;
-        if (std::abs(off.u_px) <= kReach_px && std::abs(off.v_px) <= kReach_px)
-          visit((*points_)[places_[i].point], off);
-      }
-    }
+    each_within(kReach_px, 2, centre, visit);
+  }
+  // For those within kNear_px along each axis.
+  template <typename Visit>
+  void each_near(ImagePoint centre, Visit visit) const {
+    each_within(kNear_px, 1, centre, visit);
   }
 
  private:
@@ -66,8 +64,21 @@ class PlaceGrid {
 
   static constexpr int kCells = 64;  // along each axis; what lies further is in the last one
 
+  template <typename Visit>
+  void each_within(float reach_px, int cells, ImagePoint centre, Visit visit) const {
+    const int column = cell_along(centre.u_px), row = cell_along(centre.v_px);
+    const int first = std::max(column - cells, 0), last = std::min(column + cells, kCells - 1);
+    for (int r = std::max(row - cells, 0); r <= std::min(row + cells, kCells - 1); ++r) {
+      for (auto i = starts_[cell(first, r)]; i < starts_[cell(last, r) + 1]; ++i) {
+        const ImagePoint off = places_[i].at - centre;
+        if (std::abs(off.u_px) <= reach_px && std::abs(off.v_px) <= reach_px)
+          visit((*points_)[places_[i].point], off);
+      }
+    }
+  }
+
   [[nodiscard]] static int cell_along(float x_px) {
-    return std::clamp(static_cast<int>(x_px / kReach_px), 0, kCells - 1);
+    return std::clamp(static_cast<int>(x_px / kNear_px), 0, kCells - 1);
   }
   [[nodiscard]] static std::size_t cell(int column, int row) {
     return static_cast<std::size_t>(row * kCells + column);

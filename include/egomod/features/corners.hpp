@@ -54,7 +54,7 @@ class CornerDetector {
   void detect(const ImageView& image, std::span<const ImagePoint> occupied, float room_factor,
               std::vector<Corner>& corners);
 
-  static constexpr int kPatience = 4;
+  static constexpr int kPatience = 2;
   static constexpr int kManyLost = 2;
   static constexpr int kMaxDistance_px = 8;
 
@@ -63,10 +63,6 @@ class CornerDetector {
     int u0 = 0, v0 = 0, u1 = 0, v1 = 0;
     int wanted = 0;
     int wanted_before = 0;
-  };
-  struct Hit {
-    Corner corner;
-    int contrast = 0;
   };
 
   void lay_out(const ImageView& image);
@@ -79,7 +75,7 @@ class CornerDetector {
               std::vector<Corner>& corners);
   void collect_hits(const Bucket& bucket);
   void keep_strongest_hits(int wanted);
-  void score_hits(const ImageView& image);
+  void score_hits(const ImageView& image, const Bucket& bucket);
   void select(int wanted, std::vector<Corner>& corners);
   [[nodiscard]] std::ptrdiff_t bucket_stride() const { return 2 * config_.bucket_px + 64; }
 
@@ -96,7 +92,8 @@ class CornerDetector {
   std::vector<std::uint8_t> contrast_;  // segment test of one bucket, with a margin of one pixel
   std::vector<std::uint8_t> bright_;
   std::vector<std::uint8_t> peaks_;  // one row
-  std::vector<Hit> hits_;
+  std::vector<std::uint64_t> hits_;  // of one bucket; see hit_key
+  std::vector<Corner> scored_;
 };
 
 }  // namespace egomod
