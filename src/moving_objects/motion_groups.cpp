@@ -26,6 +26,9 @@ constexpr float kEchoOverlap = 0.8F;     // of the echo's rectangle lies in its 
 constexpr double kEchoDepthStep = 0.12;  // log of the ratio of depths
 constexpr double kEchoFlow_pxps = 4.0;
 constexpr double kEchoFlowShare = 0.1;
+constexpr float kBorderMargin_px = 50.0F;
+constexpr double kNearerShare = 0.7;
+constexpr std::ptrdiff_t kLeastNearer = 3;
 constexpr double kHullMargin_m = 0.3;
 constexpr double kHullSigmas = 2.0;
 constexpr float kLeastAspect = 0.4F;
@@ -76,6 +79,13 @@ PixelRect widened(PixelRect r) {
   const float u_px = std::max(0.0F, 0.5F * (kLeastAspect * height - width));
   const float v_px = std::max(0.0F, 0.5F * (kLeastAspect * width - height));
   return {r.u_min_px - u_px, r.v_min_px - v_px, r.u_max_px + u_px, r.v_max_px + v_px};
+}
+
+PixelRect surroundings_of(const PixelRect& r, float least_margin_px) {
+  const float margin_px =
+      std::max(least_margin_px, 0.5F * std::max(r.u_max_px - r.u_min_px, r.v_max_px - r.v_min_px));
+  return {r.u_min_px - margin_px, r.v_min_px - margin_px, r.u_max_px + margin_px,
+          r.v_max_px + margin_px};
 }
 
 }  // namespace
@@ -180,11 +190,7 @@ bool echoes_surroundings(const MotionGroup& group, std::span<const PointSample> 
     const Eigen::Vector3d off = group.velocity_mps - share * rig_velocity_mps;
     return off.dot(information * off) < kSameVelocityChi2;
   };
-  const PixelRect& r = group.rectangle;
-  const float margin_px =
-      std::max(kEchoMargin_px, 0.5F * std::max(r.u_max_px - r.u_min_px, r.v_max_px - r.v_min_px));
-  const PixelRect around{r.u_min_px - margin_px, r.v_min_px - margin_px, r.u_max_px + margin_px,
-                         r.v_max_px + margin_px};
+  const PixelRect around = surroundings_of(group.rectangle, kEchoMargin_px);
   int still = 0;
   int sources = 0;
   for (const PointSample& point : points) {
@@ -193,6 +199,18 @@ bool echoes_surroundings(const MotionGroup& group, std::span<const PointSample> 
     sources += echoes(point.position_m.z()) ? 1 : 0;
   }
   return sources >= static_cast<int>(group.count) && 2 * sources >= still;
+}
+
+bool lies_on_unseen_border(const StereoCamera& camera, const MotionGroup& group,
+                           std::span<const PointSample> points) {
+  PixelRect around = surroundings_of(group.rectangle, kBorderMargin_px);
+  around.v_max_px = group.rectangle.v_max_px;  // the floor below it is always nearer
+  const double u_px = 0.5 * (group.rectangle.u_min_px + group.rectangle.u_max_px);
+  const double unseen_m = camera.fx_px * camera.baseline_m / std::max(u_px, 1.0);
+  const double near_m = std::min(kNearerShare * group.position_m.z(), unseen_m);
+  return std::count_if(points.begin(), points.end(), [&](const PointSample& point) {
+           return point.stands && point.position_m.z() < near_m && contains(around, point.pixel_px);
+         }) >= kLeastNearer;
 }
 
 bool echoes_mover(const StereoCamera& camera, const MotionGroup& group, const MotionGroup& source,
@@ -361,6 +379,7 @@ void MotionGroups::add(const StereoCamera& camera, std::span<const PointSample> 
   group.purity = purity_of(points, kept);
   group.slips = slips_along_texture(camera, points, kept);
   group.echoes = echoes_surroundings(group, points, rig_velocity_mps);
+  group.borders = lies_on_unseen_border(camera, group, points);
   group.with_rig = moves_with_rig(group.velocity_mps, rig_velocity_mps);
   groups_.push_back(group);
 }

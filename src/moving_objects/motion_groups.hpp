@@ -37,6 +37,7 @@ struct MotionGroup {
   bool recedes = false;   // on a line, and along the line of sight: a border of what rests
   bool slips = false;     // its points move along what their own texture tells least of
   bool echoes = false;    // what repeated texture there would feign
+  bool borders = false;   // on something near that the right camera does not see there
   bool with_rig = false;  // along the rig's own motion, as all that is feigned
   double evidence = 0.0;  // log likelihood ratio of its points together, moving over static
   double purity = 0.0;    // share of the tracks in its rectangle and depth that move
@@ -80,8 +81,14 @@ struct LineMotion {
                                        std::span<const PointSample> points,
                                        const Eigen::Vector3d& rig_velocity_mps);
 
-// The same from a mover's texture: true when the group lies within that of `source`, at another
-// depth, and crosses the image as that one does.
+// Left of what the right camera sees, something near is matched to look-alikes further away: true
+// when several of the static points around a group are much nearer than it and would not be in the
+// right image where the group is.
+[[nodiscard]] bool lies_on_unseen_border(const StereoCamera& camera, const MotionGroup& group,
+                                         std::span<const PointSample> points);
+
+// As echoes_surroundings, from a mover's texture: true when the group lies within that of `source`,
+// at another depth, and crosses the image as that one does.
 [[nodiscard]] bool echoes_mover(const StereoCamera& camera, const MotionGroup& group,
                                 const MotionGroup& source, const Eigen::Vector3d& rig_velocity_mps);
 

@@ -93,8 +93,8 @@ ObjectTable::Tracked* ObjectTable::create(std::span<const PointSample> points,
                       body.count >= least &&
                       purity_of(points, finder.members(body)) >= config_.min_purity;
   if ((group.count < least && !swings) || is_limb(group) || group.purity < least_purity() ||
-      group.recedes || group.chi2() < config_.object_chi2 || group.evidence < gates_.min_evidence ||
-      objects_.size() == kMostObjects) {
+      group.recedes || group.borders || group.chi2() < config_.object_chi2 ||
+      group.evidence < gates_.min_evidence || objects_.size() == kMostObjects) {
     return nullptr;
   }
   Tracked tracked;

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moving_objects/motion_groups.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace egomod {
+namespace {
+
+constexpr StereoCamera kCamera{525.0, 525.0, 320.0, 240.0, 0.375, 640, 480};
+
+// Three points that rest beside a group 3.4 m away at the left border, on something 1.6 m away: the
+// right camera does not see it there, since its disparity is 123 px.
+struct BesideALeg {
+  MotionGroup group;
+  std::vector<PointSample> points;
+
+  BesideALeg() {
+    group.position_m = {-1.4, 0.0, 3.4};
+    group.rectangle = {80.0F, 200.0F, 112.0F, 240.0F};
+    for (const double v_px : {205.0, 215.0, 225.0}) {
+      PointSample point;
+      point.stands = true;
+      point.pixel_px = {130.0, v_px};
+      point.position_m = {-0.5, 0.0, 1.6};
+      points.push_back(point);
+    }
+  }
+  [[nodiscard]] bool lies_on_unseen_border() const {
+    return egomod::lies_on_unseen_border(kCamera, group, points);
+  }
+};
+
+TEST(UnseenBorder, IsWhereSomethingNearLeavesTheRightImage) {
+  EXPECT_TRUE(BesideALeg().lies_on_unseen_border());
+}
+
+TEST(UnseenBorder, IsNoneWhereTheRightCameraSeesWhatIsNear) {
+  BesideALeg further_right;
+  for (float* u_px :
+       {&further_right.group.rectangle.u_min_px, &further_right.group.rectangle.u_max_px})
+    *u_px += 60.0F;
+  for (PointSample& point : further_right.points) point.pixel_px.x() += 60.0;
+  EXPECT_FALSE(further_right.lies_on_unseen_border());
+}
+
+TEST(UnseenBorder, IsNoneBesideWhatIsAsFarAway) {
+  BesideALeg beside_a_wall;
+  for (PointSample& point : beside_a_wall.points) point.position_m.z() = 3.0;
+  EXPECT_FALSE(beside_a_wall.lies_on_unseen_border());
+}
+
+TEST(UnseenBorder, IsNoneAboveTheFloor) {
+  BesideALeg above_the_floor;
+  for (PointSample& point : above_the_floor.points) point.pixel_px.y() += 40.0;
+  EXPECT_FALSE(above_the_floor.lies_on_unseen_border());
+}
+
+}  // namespace
+}  // namespace egomod
