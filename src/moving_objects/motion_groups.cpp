@@ -34,7 +34,8 @@ constexpr double kHullSigmas = 2.0;
 constexpr float kLeastAspect = 0.4F;
 constexpr double kLineWidthShare = 0.15;  // of its length
 constexpr double kAlongLine = 0.95;       // cosine
-constexpr double kAcrossAtRandom = 0.5;   // of the flow's square, across any axis
+constexpr double kLeastFlow_pxps = 16.0;
+constexpr double kAcrossAtRandom = 0.5;  // of the flow's square, across any axis
 constexpr double kSlippingAcross = 0.2;
 constexpr double kMostSlip_pxps = 60.0;  // a car's sill moves along itself faster
 
@@ -141,7 +142,8 @@ LineMotion line_motion(const StereoCamera& camera, std::span<const PointSample> 
   if (width2 >= kLineWidthShare * kLineWidthShare * axes.eigenvalues()[1]) return {};
   return {.along_line =
               std::abs(axes.eigenvectors().col(1).dot(flow_pxps)) > kAlongLine * flow_pxps.norm(),
-          .along_sight = std::abs(sum_mps.z()) > sum_mps.head<2>().norm()};
+          .like_border = std::abs(sum_mps.z()) > sum_mps.head<2>().norm() ||
+                         flow_pxps.norm() < kLeastFlow_pxps * static_cast<double>(members.size())};
 }
 
 bool slips_along_texture(const StereoCamera& camera, std::span<const PointSample> points,
@@ -372,7 +374,7 @@ void MotionGroups::add(const StereoCamera& camera, std::span<const PointSample> 
   group.rectangle = rectangle_of(points, kept);
   const LineMotion line = line_motion(camera, points, kept);
   group.slides = line.along_line;
-  group.recedes = line.along_sight;
+  group.recedes = line.like_border;
   for (const auto i : kept) group.evidence += points[i].evidence;
   group.evidence /= 1.0 + rho * (static_cast<double>(kept.size()) - 1.0);
   group.leaps = std::any_of(kept.begin(), kept.end(), [&](auto i) { return points[i].leaps; });

@@ -34,10 +34,10 @@ struct MotionGroup {
   PixelRect rectangle;
   bool slides =
       false;  // its points lie on a line and move along it: an edge seen through apertures
-  bool recedes = false;   // on a line, and along the line of sight: a border of what rests
-  bool slips = false;     // its points move along what their own texture tells least of
-  bool echoes = false;    // what repeated texture there would feign
-  bool borders = false;   // on something near that the right camera does not see there
+  bool recedes = false;  // on a line, and along the line of sight or hardly: a border of what rests
+  bool slips = false;    // its points move along what their own texture tells least of
+  bool echoes = false;   // what repeated texture there would feign
+  bool borders = false;  // on something near that the right camera does not see there
   bool with_rig = false;  // along the rig's own motion, as all that is feigned
   double evidence = 0.0;  // log likelihood ratio of its points together, moving over static
   double purity = 0.0;    // share of the tracks in its rectangle and depth that move
@@ -62,8 +62,9 @@ struct MeanVelocity {
 [[nodiscard]] double velocity_chi2(const PointSample& point, const Eigen::Vector3d& velocity_mps);
 // Of points that lie on one line of the image.
 struct LineMotion {
-  bool along_line = false;   // an edge seen through apertures slides
-  bool along_sight = false;  // at a border, disparities of both its sides mix
+  bool along_line = false;  // an edge seen through apertures slides
+  // Along the line of sight, since disparities of both sides of a border mix, or hardly at all.
+  bool like_border = false;
 };
 [[nodiscard]] LineMotion line_motion(const StereoCamera& camera,
                                      std::span<const PointSample> points, Members members);

@@ -85,13 +85,15 @@ double ObjectTable::least_purity() const {
 
 // Only a group that passes every gate opens an object; later a smaller one keeps it. What swings
 // its limbs may show few points of one velocity: then all that move there count.
-ObjectTable::Tracked* ObjectTable::create(std::span<const PointSample> points,
+ObjectTable::Tracked* ObjectTable::create(const StereoCamera& camera,
+                                          std::span<const PointSample> points,
                                           const MotionGroup& group, const MotionGroups& finder) {
   const auto least = static_cast<std::size_t>(config_.min_points);
   const MotionBody& body = finder.bodies()[group.body];
   const bool swings = group.count < least && !group.leaps && group.leads && !group.with_rig &&
                       body.count >= least &&
-                      purity_of(points, finder.members(body)) >= config_.min_purity;
+                      purity_of(points, finder.members(body)) >= config_.min_purity &&
+                      !line_motion(camera, points, finder.members(body)).along_line;
   if ((group.count < least && !swings) || is_limb(group) || group.purity < least_purity() ||
       group.recedes || group.borders || group.chi2() < config_.object_chi2 ||
       group.evidence < gates_.min_evidence || objects_.size() == kMostObjects) {
@@ -118,7 +120,7 @@ void ObjectTable::associate(const StereoCamera& camera, std::span<const PointSam
     Tracked* tracked = by_tracks(points, members);
     if ((group.echoes || group.slips) && !carries_on(points, members, tracked)) continue;
     if (tracked == nullptr) tracked = by_place(group);
-    if (tracked == nullptr) tracked = create(points, group, finder);
+    if (tracked == nullptr) tracked = create(camera, points, group, finder);
     if (tracked == nullptr) continue;
     if (!tracked->evident) {
       take_group(group, *tracked);

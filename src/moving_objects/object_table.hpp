@@ -96,8 +96,8 @@ class ObjectTable {
   [[nodiscard]] bool carries_on(std::span<const PointSample> points, Members members,
                                 const Tracked* tracked) const;
   [[nodiscard]] double least_purity() const;
-  [[nodiscard]] Tracked* create(std::span<const PointSample> points, const MotionGroup& group,
-                                const MotionGroups& finder);
+  [[nodiscard]] Tracked* create(const StereoCamera& camera, std::span<const PointSample> points,
+                                const MotionGroup& group, const MotionGroups& finder);
   [[nodiscard]] static Box joined(const Box& a, const Box& b);
   [[nodiscard]] static bool is_at(const PointSample& point, const Box& box);
   [[nodiscard]] static bool hangs_on(const Eigen::Vector3d& position_m, const Box& trunk,

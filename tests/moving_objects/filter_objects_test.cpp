@@ -220,6 +220,20 @@ TEST_F(Filter, ArmThatBeginsToSwingIsNoObject) {
   EXPECT_EQ(moving(), 1);
 }
 
+// Three points of it are no line yet, but all that move there are.
+TEST_F(Filter, EdgeThatSlipsInPiecesIsNoObject) {
+  rest_rig();
+  world.add_background(300);
+  const Eigen::Vector3d slip_mps{0.0, 0.15, 0.0};
+  world.add_box(3, {0.9, -0.8, 3.0}, {0.06, 0.1, 0.02}, slip_mps);
+  for (const double y_m : {-0.3, 0.2, 0.7, 1.2})
+    world.add_box(1, {0.9, y_m, 3.0}, {0.02, 0.02, 0.02}, slip_mps);
+  for (int pair = 0; pair < 60; ++pair) {
+    run(pair);
+    ASSERT_EQ(moving(), 0) << "pair " << pair;
+  }
+}
+
 // Of a person in plain clothes there may be no more to be seen than the head and a shoe.
 TEST_F(Filter, FootThatStepsFarBelowAHeadIsNoObject) {
   rest_rig();

@@ -57,5 +57,32 @@ TEST(UnseenBorder, IsNoneAboveTheFloor) {
   EXPECT_FALSE(above_the_floor.lies_on_unseen_border());
 }
 
+// Six points on an upright line 3 m away.
+LineMotion motion_of_upright_line(const Eigen::Vector3d& velocity_mps) {
+  std::vector<PointSample> points;
+  std::vector<Grouper::Index> members;
+  for (const double y_m : {-0.5, -0.3, -0.1, 0.1, 0.3, 0.5}) {
+    PointSample point;
+    point.position_m = {0.0, y_m, 3.0};
+    point.pixel_px = {320.0, 240.0 + 525.0 * y_m / 3.0};
+    point.velocity_mps = velocity_mps;
+    members.push_back(static_cast<Grouper::Index>(points.size()));
+    points.push_back(point);
+  }
+  return line_motion(kCamera, points, members);
+}
+
+TEST(LineMotion, OfAnEdgeThatSlipsIsThatOfABorder) {
+  EXPECT_TRUE(motion_of_upright_line({0.06, 0.04, 0.0}).like_border);
+  EXPECT_TRUE(motion_of_upright_line({0.2, 0.0, 0.3}).like_border);
+}
+
+TEST(LineMotion, OfAPoleThatIsCarriedIsItsOwn) {
+  const LineMotion carried = motion_of_upright_line({0.4, 0.1, 0.0});
+  EXPECT_FALSE(carried.like_border);
+  EXPECT_FALSE(carried.along_line);
+  EXPECT_TRUE(motion_of_upright_line({0.02, 0.4, 0.0}).along_line);
+}
+
 }  // namespace
 }  // namespace egomod
