@@ -407,7 +407,7 @@ void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution
   motion.T_previous_current = solution.T_previous_current;
   const Matrix6d Ad = adjoint(solution.T_previous_current.inverse());
   motion.covariance_previous_current = solution.covariance + Ad * against_map_ * Ad.transpose();
-  motion.covariance_previous_current += scale_doubt_.error() * scale_doubt_.error().transpose();
+  motion.covariance_previous_current += scale_doubt_.covariance();
   pose_.compose(solution.T_previous_current,
                 error_growth_.share(known_points(), dt_s_) * solution.covariance);
   if (config_.map) against_map_ = solution.covariance;

@@ -35,8 +35,6 @@ constexpr double kLensLikeYaw_rad = 1e-3;  // at least
 // Where rows are wrong, so are many matches, and corners tell least of all.
 constexpr double kKnownYaw_rad = 1.5e-3;
 constexpr double kYawOfShiftedLens = 3.0;                      // times p1 as it is found
-// By how much more the yaw was off than these say, over turns of all kinds.
-constexpr double kYawDoubt = 1.6;
 constexpr std::array kScales{32.0, 16.0, 8.0, 4.0, 3.0, 3.0};  // standard deviations
 constexpr double kFormalSigmas = 3.0;  // a point's errors last for some pairs
 constexpr double kMemory_s = 10.0;
@@ -244,7 +242,7 @@ void RightTurn::decide(double dt_s) {
     const bool tells = sigma_[1] < kKnownYaw_rad;
     const double share = tells ? knock2 / (knock2 + rows2) : 0.0;
     turn_rad = {estimate_[0], share * estimate_[1], estimate_[2]};
-    yaw_sigma_rad = kYawDoubt * std::sqrt(tells ? share * rows2 : knock2);
+    yaw_sigma_rad = std::sqrt(tells ? share * rows2 : knock2);
   }
   const bool late = waited_s_ >= to_wait_s_ && is_worth_a_step(turn_rad);
   if (is_off_ == was_off && !(is_off_ && late)) return;

@@ -33,15 +33,16 @@ class LastingError {
  public:
   void clear() { second_.setZero(); }
   // What the pose's covariance grows by in this pair, for an error (m, rad) in the current frame.
-  [[nodiscard]] Matrix6d add(const Vector6d& error, const Eigen::Isometry3d& T_previous_current,
-                             double dt_s);
+  Matrix6d add(const Vector6d& error, const Eigen::Isometry3d& T_previous_current, double dt_s);
+  [[nodiscard]] const Vector6d& of_last_second() const { return second_; }
 
  private:
   Vector6d second_ = Vector6d::Zero();
 };
 
 // What is not known of the right camera's turn: near and far points lie too near or too far by it,
-// those at the median disparity by a share, and so is the way wrong.
+// those at the median disparity by a share, and so is the way wrong; and since they are by
+// different shares, what rests does not move as one: the way bends a little and turns.
 class ScaleDoubt {
  public:
   void clear() { lasting_.clear(); }
@@ -51,12 +52,12 @@ class ScaleDoubt {
                               const Eigen::Isometry3d& T_previous_current, double dt_s,
                               std::vector<double>& scratch);
   [[nodiscard]] double sigma() const { return sigma_; }  // share of a length
-  // Of this pair's motion (m, rad), one standard deviation.
-  [[nodiscard]] const Vector6d& error() const { return error_; }
+  // Of this pair's motion, right perturbation.
+  [[nodiscard]] const Matrix6d& covariance() const { return covariance_; }
 
  private:
   double sigma_ = 0.0;
-  Vector6d error_ = Vector6d::Zero();
+  Matrix6d covariance_ = Matrix6d::Zero();
   LastingError lasting_;
 };
 
