@@ -33,7 +33,9 @@ constexpr double kHullMargin_m = 0.3;
 constexpr double kHullSigmas = 2.0;
 constexpr float kLeastAspect = 0.4F;
 constexpr double kLineWidthShare = 0.15;  // of its length
-constexpr double kAlongLine = 0.95;       // cosine
+constexpr double kSlowLineWidthShare = 0.25;
+constexpr double kSlow_pxps = 30.0;
+constexpr double kAlongLine = 0.95;  // cosine
 constexpr double kLeastFlow_pxps = 16.0;
 constexpr double kAcrossAtRandom = 0.5;  // of the flow's square, across any axis
 constexpr double kSlippingAcross = 0.2;
@@ -139,11 +141,17 @@ LineMotion line_motion(const StereoCamera& camera, std::span<const PointSample> 
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
   axes.computeDirect(scatter_px2);
   const double width2 = std::max(0.0, axes.eigenvalues()[0]);
-  if (width2 >= kLineWidthShare * kLineWidthShare * axes.eigenvalues()[1]) return {};
+  const double mean_pxps = flow_pxps.norm() / static_cast<double>(members.size());
+  const auto is_line = [&](double width_share) {
+    return width2 < width_share * width_share * axes.eigenvalues()[1];
+  };
+  const bool is_along =
+      std::abs(axes.eigenvectors().col(1).dot(flow_pxps)) > kAlongLine * flow_pxps.norm();
   return {.along_line =
-              std::abs(axes.eigenvectors().col(1).dot(flow_pxps)) > kAlongLine * flow_pxps.norm(),
-          .like_border = std::abs(sum_mps.z()) > sum_mps.head<2>().norm() ||
-                         flow_pxps.norm() < kLeastFlow_pxps * static_cast<double>(members.size())};
+              is_along && is_line(mean_pxps < kSlow_pxps ? kSlowLineWidthShare : kLineWidthShare),
+          .like_border =
+              is_line(kLineWidthShare) &&
+              (std::abs(sum_mps.z()) > sum_mps.head<2>().norm() || mean_pxps < kLeastFlow_pxps)};
 }
 
 bool slips_along_texture(const StereoCamera& camera, std::span<const PointSample> points,

@@ -92,11 +92,12 @@ ObjectTable::Tracked* ObjectTable::create(const StereoCamera& camera,
   const MotionBody& body = finder.bodies()[group.body];
   const bool swings = group.count < least && !group.leaps && group.leads && !group.with_rig &&
                       body.count >= least &&
-                      purity_of(points, finder.members(body)) >= config_.min_purity &&
-                      !line_motion(camera, points, finder.members(body)).along_line;
-  if ((group.count < least && !swings) || is_limb(group) || group.purity < least_purity() ||
-      group.recedes || group.borders || group.chi2() < config_.object_chi2 ||
-      group.evidence < gates_.min_evidence || objects_.size() == kMostObjects) {
+                      purity_of(points, finder.members(body)) >= config_.min_purity;
+  const bool slides = line_motion(camera, points, finder.members(body)).along_line;
+  if ((group.count < least && !swings) || slides || is_limb(group) ||
+      group.purity < least_purity() || group.recedes || group.borders ||
+      group.chi2() < config_.object_chi2 || group.evidence < gates_.min_evidence ||
+      objects_.size() == kMostObjects) {
     return nullptr;
   }
   Tracked tracked;
