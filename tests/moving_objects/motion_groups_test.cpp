@@ -57,14 +57,16 @@ TEST(UnseenBorder, IsNoneAboveTheFloor) {
   EXPECT_FALSE(above_the_floor.lies_on_unseen_border());
 }
 
-// Six points on an upright line 3 m away.
-LineMotion motion_of_upright_line(const Eigen::Vector3d& velocity_mps) {
+// Six points 3 m away, upright one above the other, to the left and to the right by turns.
+LineMotion motion_of_upright_line(const Eigen::Vector3d& velocity_mps, double aside_m = 0.0) {
   std::vector<PointSample> points;
   std::vector<Grouper::Index> members;
+  double x_m = aside_m;
   for (const double y_m : {-0.5, -0.3, -0.1, 0.1, 0.3, 0.5}) {
     PointSample point;
-    point.position_m = {0.0, y_m, 3.0};
-    point.pixel_px = {320.0, 240.0 + 525.0 * y_m / 3.0};
+    point.position_m = {x_m, y_m, 3.0};
+    x_m = -x_m;
+    point.pixel_px = {320.0 + 525.0 * point.position_m.x() / 3.0, 240.0 + 525.0 * y_m / 3.0};
     point.velocity_mps = velocity_mps;
     members.push_back(static_cast<Grouper::Index>(points.size()));
     points.push_back(point);
@@ -75,6 +77,12 @@ LineMotion motion_of_upright_line(const Eigen::Vector3d& velocity_mps) {
 TEST(LineMotion, OfAnEdgeThatSlipsIsThatOfABorder) {
   EXPECT_TRUE(motion_of_upright_line({0.06, 0.04, 0.0}).like_border);
   EXPECT_TRUE(motion_of_upright_line({0.2, 0.0, 0.3}).like_border);
+}
+
+TEST(LineMotion, OfAWiderOneIsAlongItOnlyWhereItIsSlow) {
+  EXPECT_TRUE(motion_of_upright_line({0.0, 0.12, 0.0}, 0.07).along_line);
+  EXPECT_FALSE(motion_of_upright_line({0.0, 0.4, 0.0}, 0.07).along_line);
+  EXPECT_FALSE(motion_of_upright_line({0.0, 0.02, 0.0}, 0.07).like_border);
 }
 
 TEST(LineMotion, OfAPoleThatIsCarriedIsItsOwn) {
