@@ -8,7 +8,7 @@
 namespace egomod {
 namespace {
 
-constexpr StereoCamera kCamera{525.0, 525.0, 320.0, 240.0, 0.375, 640, 480};
+constexpr StereoCamera kRigCamera{525.0, 525.0, 320.0, 240.0, 0.375, 640, 480};
 
 // Three points that rest beside a group 3.4 m away at the left border, on something 1.6 m away: the
 // right camera does not see it there, since its disparity is 123 px.
@@ -28,7 +28,7 @@ struct BesideALeg {
     }
   }
   [[nodiscard]] bool lies_on_unseen_border() const {
-    return egomod::lies_on_unseen_border(kCamera, group, points);
+    return egomod::lies_on_unseen_border(kRigCamera, group, points);
   }
 };
 
@@ -71,7 +71,7 @@ LineMotion motion_of_upright_line(const Eigen::Vector3d& velocity_mps, double as
     members.push_back(static_cast<Grouper::Index>(points.size()));
     points.push_back(point);
   }
-  return line_motion(kCamera, points, members);
+  return line_motion(kRigCamera, points, members);
 }
 
 TEST(LineMotion, OfAnEdgeThatSlipsIsThatOfABorder) {
