@@ -279,9 +279,10 @@ void EgomotionEstimator::learn_readout(const TrackSet& tracks, const Solution& s
   readout_.learn(tracks.camera, correspondences_, distances2_, map_.points(),
                  solution.T_previous_current, pose_.T_first_current(), rows_.velocity, dt_s_,
                  is_told);
-  const Matrix6d growth_per_s2 =
+  const Vector6d& per_s =
       error_of_readout_.add(readout_.motion_error_per_s(), solution.T_previous_current, dt_s_);
-  if (readout_.readout_s() > 0.0) pose_.doubt(readout_.variance_s2() * growth_per_s2);
+  if (readout_.readout_s() > 0.0)
+    pose_.doubt(readout_.variance_s2() * dt_s_ * per_s * per_s.transpose());
 }
 
 bool EgomotionEstimator::is_inlier(const Eigen::Isometry3d& T_current_previous, std::size_t k,

@@ -48,10 +48,10 @@ double ErrorGrowth::share(std::span<const MapPoint> map, double dt_s) const {
   return common_error_ * std::min(kMostLasting, kLastingPerS * dt_s + kLastingOfNew * renewed);
 }
 
-Matrix6d LastingError::add(const Vector6d& error, const Eigen::Isometry3d& T_previous_current,
-                           double dt_s) {
+const Vector6d& LastingError::add(const Vector6d& error,
+                                  const Eigen::Isometry3d& T_previous_current, double dt_s) {
   second_ = std::exp(-dt_s) * adjoint(T_previous_current.inverse()) * second_ + error;
-  return dt_s * second_ * second_.transpose();
+  return second_;
 }
 
 Matrix6d ScaleDoubt::note(const TrackSet& tracks, std::span<const Correspondence> seen,
@@ -67,8 +67,7 @@ Matrix6d ScaleDoubt::note(const TrackSet& tracks, std::span<const Correspondence
   Vector6d error = Vector6d::Zero();
   error.head<3>() = sigma_ * T_previous_current.translation();
   covariance_ = doubt_of(error.head<3>());
-  lasting_.add(error, T_previous_current, dt_s);
-  return dt_s * doubt_of(lasting_.of_last_second().head<3>());
+  return dt_s * doubt_of(lasting_.add(error, T_previous_current, dt_s).head<3>());
 }
 
 }  // namespace egomod

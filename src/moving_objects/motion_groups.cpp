@@ -17,7 +17,6 @@ constexpr double kMemberChi2 = 16.27;        // 99.9 %: a member against the gro
 constexpr double kVelocitySpread_m2ps2 = 1e-4;
 constexpr double kDepthShare = 0.12;  // nearby, what is behind starts after a shorter step
 constexpr double kDepthSigmas = 2.5;
-constexpr double kUprightReach = 2.25;  // of a body's points, by that of a group's
 constexpr double kLeastRig_mps = 0.05;
 constexpr double kWithRig_mps = 0.05;
 constexpr double kWithRigShare = 0.2;
@@ -389,7 +388,6 @@ void MotionGroups::add(const StereoCamera& camera, std::span<const PointSample> 
   group.purity = purity_of(points, kept);
   group.slips = slips_along_texture(camera, points, kept);
   group.echoes = echoes_surroundings(group, points, rig_velocity_mps);
-  group.borders = lies_on_unseen_border(camera, group, points);
   group.with_rig = moves_with_rig(group.velocity_mps, rig_velocity_mps);
   groups_.push_back(group);
 }

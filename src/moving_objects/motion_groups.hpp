@@ -37,7 +37,6 @@ struct MotionGroup {
   bool recedes = false;  // on a line, and along the line of sight or hardly: a border of what rests
   bool slips = false;    // its points move along what their own texture tells least of
   bool echoes = false;   // what repeated texture there would feign
-  bool borders = false;  // on something near that the right camera does not see there
   bool with_rig = false;  // along the rig's own motion, as all that is feigned
   double evidence = 0.0;  // log likelihood ratio of its points together, moving over static
   double purity = 0.0;    // share of the tracks in its rectangle and depth that move
@@ -112,6 +111,8 @@ class MotionGroups {
   }
 
   static constexpr std::size_t kLeastPoints = 3;
+  // Of what hangs below or stands above, by that of what is beside.
+  static constexpr double kUprightReach = 2.25;
 
  private:
   [[nodiscard]] double reach_px(double fx_px, double depth_m) const;

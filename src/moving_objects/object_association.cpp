@@ -93,11 +93,11 @@ ObjectTable::Tracked* ObjectTable::create(const StereoCamera& camera,
   const bool swings = group.count < least && !group.leaps && group.leads && !group.with_rig &&
                       body.count >= least &&
                       purity_of(points, finder.members(body)) >= config_.min_purity;
-  const bool slides = line_motion(camera, points, finder.members(body)).along_line;
-  if ((group.count < least && !swings) || slides || is_limb(group) ||
-      group.purity < least_purity() || group.recedes || group.borders ||
-      group.chi2() < config_.object_chi2 || group.evidence < gates_.min_evidence ||
-      objects_.size() == kMostObjects) {
+  if ((group.count < least && !swings) || is_limb(group) || group.purity < least_purity() ||
+      group.recedes || group.chi2() < config_.object_chi2 || group.evidence < gates_.min_evidence ||
+      objects_.size() == kMostObjects ||
+      line_motion(camera, points, finder.members(body)).along_line ||
+      lies_on_unseen_border(camera, group, points)) {
     return nullptr;
   }
   Tracked tracked;

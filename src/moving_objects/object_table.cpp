@@ -20,7 +20,6 @@ constexpr double kKeepPurityShare = 0.5;  // of the purity that opens an object
 constexpr double kManoeuvre_s = 1.0;      // how long an unseen one lasts
 constexpr double kPartGapShare = 0.4;     // of the larger one's size, across the line of sight
 constexpr double kPartDepthShare = 1.0;
-constexpr double kUprightReach = 2.25;   // of a gap up and down, by that of one sideways
 constexpr double kPartSpeed_mps = 0.05;  // plus a share of the speed, 99 % and rotation
 constexpr double kPartSpeedShare = 0.03;
 constexpr double kPartChi2 = 11.34;
@@ -85,7 +84,7 @@ bool ObjectTable::are_near(const Tracked& a, const Tracked& b) const {
   Eigen::Vector3d gap =
       ((a.box.centre_m - b.box.centre_m).cwiseAbs() - 0.5 * (a.box.size_m + b.box.size_m))
           .cwiseMax(0.0);
-  gap.y() /= kUprightReach;
+  gap.y() /= MotionGroups::kUprightReach;
   const double size_m = std::max(a.box.size_m.maxCoeff(), b.box.size_m.maxCoeff());
   const double width_m = std::max(a.box.size_m.x(), b.box.size_m.x());
   const double sigma_m =

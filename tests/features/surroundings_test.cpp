@@ -25,18 +25,22 @@ TEST(SurroundingsTest, AreTheOthersWithinReachAndNoneElse) {
   Surroundings surroundings(kManyPoints);
   surroundings.sort(store);
   for (const FollowedPoint& point : store.points()) {
-    std::multiset<std::uint64_t> found, wanted;
+    std::multiset<std::uint64_t> found, wanted, found_near, wanted_near;
     surroundings.left.each_around(point.left, [&](const FollowedPoint& other, ImagePoint off) {
       EXPECT_EQ(off.u_px, other.left.u_px - point.left.u_px);
       EXPECT_EQ(off.v_px, other.left.v_px - point.left.v_px);
       found.insert(other.id);
     });
+    surroundings.left.each_near(
+        point.left, [&](const FollowedPoint& other, ImagePoint) { found_near.insert(other.id); });
     for (const FollowedPoint& other : store.points()) {
       const ImagePoint off = other.left - point.left;
-      if (std::abs(off.u_px) <= PlaceGrid::kReach_px && std::abs(off.v_px) <= PlaceGrid::kReach_px)
-        wanted.insert(other.id);
+      const float reach_px = std::max(std::abs(off.u_px), std::abs(off.v_px));
+      if (reach_px <= PlaceGrid::kReach_px) wanted.insert(other.id);
+      if (reach_px <= PlaceGrid::kNear_px) wanted_near.insert(other.id);
     }
     EXPECT_EQ(found, wanted);
+    EXPECT_EQ(found_near, wanted_near);
   }
 }
 

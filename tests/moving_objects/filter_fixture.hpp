@@ -37,6 +37,12 @@ class Filter : public ::testing::Test {
     }
     return 1000.0;
   }
+  void expect_one_at_most(int first_pair, int end) {
+    for (int pair = first_pair; pair < end; ++pair) {
+      run(pair);
+      ASSERT_LE(moving(), 1) << "pair " << pair;
+    }
+  }
   void rest_rig() {
     world.rig_velocity_mps.setZero();
     world.rig_yaw_rate_radps = 0.0;

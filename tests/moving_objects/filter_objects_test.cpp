@@ -213,10 +213,7 @@ TEST_F(Filter, ArmThatBeginsToSwingIsNoObject) {
   for (; pair < 45; ++pair) run(pair);
   ASSERT_EQ(moving(), 1);
   turn(pair - 1, 310, {0.9, 0.0, 0.0});
-  for (; pair < 65; ++pair) {
-    run(pair);
-    ASSERT_LE(moving(), 1) << "pair " << pair;
-  }
+  expect_one_at_most(pair, 65);
   EXPECT_EQ(moving(), 1);
 }
 
@@ -234,6 +231,29 @@ TEST_F(Filter, EdgeThatSlipsInPiecesIsNoObject) {
   }
 }
 
+// A thing that moves at the left border, which may be a look-alike where something near, that rests
+// to the right of it, is too near for the right camera there.
+struct AtLeftBorder : Filter {
+  int moving_beside_what_rests_at(double depth_m) {
+    rest_rig();
+    world.add_background(300);
+    const double at_130_px = (130.0 - synthetic::kCamera.cx_px) / synthetic::kCamera.fx_px;
+    world.add_box(12, {at_130_px * depth_m, -0.1, depth_m}, {0.05, 0.3, 0.05},
+                  Eigen::Vector3d::Zero());
+    world.add_box(12, {-1.45, 0.0, 3.4}, {0.15, 0.3, 0.1}, {0.0, 0.2, 0.3});
+    for (int pair = 0; pair < 20; ++pair) run(pair);
+    return moving();
+  }
+};
+
+TEST_F(AtLeftBorder, IsAnObjectBesideWhatBothCamerasSee) {
+  EXPECT_EQ(moving_beside_what_rests_at(3.0), 1);
+}
+
+TEST_F(AtLeftBorder, IsNoneBesideWhatOnlyTheLeftOneSees) {
+  EXPECT_EQ(moving_beside_what_rests_at(1.5), 0);
+}
+
 // Of a person in plain clothes there may be no more to be seen than the head and a shoe.
 TEST_F(Filter, FootThatStepsFarBelowAHeadIsNoObject) {
   rest_rig();
@@ -244,10 +264,7 @@ TEST_F(Filter, FootThatStepsFarBelowAHeadIsNoObject) {
   for (; pair < 40; ++pair) run(pair);
   ASSERT_EQ(moving(), 1);
   turn(pair - 1, 306, {0.9, 0.0, 0.0});
-  for (; pair < 55; ++pair) {
-    run(pair);
-    ASSERT_LE(moving(), 1) << "pair " << pair;
-  }
+  expect_one_at_most(pair, 55);
   EXPECT_EQ(moving(), 1);
 }
 
@@ -267,10 +284,7 @@ TEST_F(Filter, ArmBesideItsTrunkIsNoObject) {
   const Eigen::Vector3d walk_mps{0.8, 0.0, 0.0};
   world.add_box(30, {-1.0, 0.0, 5.0}, {0.4, 0.9, 0.2}, walk_mps);
   world.add_box(7, {-0.9, 0.1, 4.9}, {0.1, 0.5, 0.1}, {1.3, 0.0, 0.0});
-  for (int pair = 0; pair < 15; ++pair) {
-    run(pair);
-    ASSERT_LE(moving(), 1) << "pair " << pair;
-  }
+  expect_one_at_most(0, 15);
   EXPECT_EQ(moving(), 1);
 }
 

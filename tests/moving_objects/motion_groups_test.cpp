@@ -5,10 +5,12 @@
 
 #include <vector>
 
+#include "synthetic_tracks.hpp"
+
 namespace egomod {
 namespace {
 
-constexpr StereoCamera kRigCamera{525.0, 525.0, 320.0, 240.0, 0.375, 640, 480};
+using synthetic::kCamera;
 
 // Three points that rest beside a group 3.4 m away at the left border, on something 1.6 m away: the
 // right camera does not see it there, since its disparity is 123 px.
@@ -28,7 +30,7 @@ struct BesideALeg {
     }
   }
   [[nodiscard]] bool lies_on_unseen_border() const {
-    return egomod::lies_on_unseen_border(kRigCamera, group, points);
+    return egomod::lies_on_unseen_border(kCamera, group, points);
   }
 };
 
@@ -71,7 +73,7 @@ LineMotion motion_of_upright_line(const Eigen::Vector3d& velocity_mps, double as
     members.push_back(static_cast<Grouper::Index>(points.size()));
     points.push_back(point);
   }
-  return line_motion(kRigCamera, points, members);
+  return line_motion(kCamera, points, members);
 }
 
 TEST(LineMotion, OfAnEdgeThatSlipsIsThatOfABorder) {

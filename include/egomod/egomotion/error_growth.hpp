@@ -32,9 +32,10 @@ class ErrorGrowth {
 class LastingError {
  public:
   void clear() { second_.setZero(); }
-  // What the pose's covariance grows by in this pair, for an error (m, rad) in the current frame.
-  Matrix6d add(const Vector6d& error, const Eigen::Isometry3d& T_previous_current, double dt_s);
-  [[nodiscard]] const Vector6d& of_last_second() const { return second_; }
+  // What it has come to over the last second, with that of this pair (m, rad), in the current
+  // frame. The pose's covariance grows by its square times dt_s.
+  [[nodiscard]] const Vector6d& add(const Vector6d& error,
+                                    const Eigen::Isometry3d& T_previous_current, double dt_s);
 
  private:
   Vector6d second_ = Vector6d::Zero();
