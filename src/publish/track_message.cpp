@@ -86,7 +86,8 @@ void fill_motion(const PointMotion& motion, const Eigen::Matrix3d& R_body_camera
                  track_t& message) {
   message.state = static_cast<std::int8_t>(motion.state);
   message.object_id = motion.object_id;
-  Eigen::Vector3f::Map(message.vel) = (R_body_camera * motion.velocity_mps).cast<float>();
+  if (motion.state != PointState::kUnknown)
+    Eigen::Vector3f::Map(message.vel) = (R_body_camera * motion.velocity_mps).cast<float>();
 }
 
 track_t track_message(const Track& track, TrackRole role) {
