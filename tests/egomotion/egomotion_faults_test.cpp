@@ -65,7 +65,9 @@ TEST_P(EgomotionFaultsTest, TracksThatNoMotionExplainsFailAndTheNextPairGoesOn) 
 TEST_P(EgomotionFaultsTest, OnlyASigmaPointFilterThatDoesNotConvergeFailsForThat) {
   World world(24, 300);
   EgomotionConfig hasty = config();
+  hasty.gauss_newton.max_iterations = 1;
   hasty.sigma_point_filter.max_iterations = 1;
+  hasty.gauss_newton.step_tolerance = 1e-9;
   hasty.sigma_point_filter.step_tolerance = 1e-9;
   EgomotionEstimator estimator(hasty);
   Egomotion motion;
