@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "egomod/core/speed_units.hpp"
+
 namespace egomod {
 namespace {
 
@@ -24,13 +26,23 @@ std::string latencies(const PipelineStatistics& statistics) {
   return text;
 }
 
+// In m/s and km/h, with the mean standard error of a pair's speed: errors of successive pairs
+// agree, so that the mean of many is hardly more certain.
+std::string mean_speed(const ObjectSummary& object) {
+  const auto pairs = static_cast<double>(object.pairs);
+  const double mean_mps = object.speed_sum_mps / pairs;
+  const double sigma_mps = object.speed_sigma_sum_mps / pairs;
+  return fmt::format("{:>10.2f} ± {:.2f}{:>10.1f} ± {:>4.1f}", mean_mps, sigma_mps,
+                     kKmhPerMps * mean_mps, kKmhPerMps * sigma_mps);
+}
+
 std::string objects_seen(const RunFigures& figures) {
   if (figures.objects.empty()) {
     return line("objects", "none seen to move");
   }
   std::string text = line("objects", fmt::format("{} seen to move", figures.objects.size()));
-  text += fmt::format("  {:>6}{:>10}{:>10}{:>8}{:>14}\n", "id", "from, s", "to, s", "pairs",
-                      "speed, m/s");
+  text += fmt::format("  {:>6}{:>10}{:>10}{:>8}{:>17}{:>17}\n", "id", "from, s", "to, s", "pairs",
+                      "speed, m/s", "km/h");
   constexpr std::size_t kMaxRows = 20;
   std::size_t rows = 0;
   for (const auto& [id, object] : figures.objects) {
@@ -38,9 +50,9 @@ std::string objects_seen(const RunFigures& figures) {
       return text + fmt::format("  and {} more\n", figures.objects.size() - kMaxRows);
     }
     const Nanoseconds begin = figures.first_exposure.value_or(Nanoseconds(0));
-    text += fmt::format("  {:>6}{:>10.2f}{:>10.2f}{:>8}{:>14.2f}\n", id,
-                        to_seconds(object.first_seen - begin), to_seconds(object.last_seen - begin),
-                        object.pairs, object.speed_sum_mps / static_cast<double>(object.pairs));
+    text +=
+        fmt::format("  {:>6}{:>10.2f}{:>10.2f}{:>8}{}\n", id, to_seconds(object.first_seen - begin),
+                    to_seconds(object.last_seen - begin), object.pairs, mean_speed(object));
   }
   return text;
 }
@@ -82,6 +94,7 @@ void RunSummary::add_objects(const MovingObjects& objects) {
     entry->second.last_seen = objects.exposure;
     ++entry->second.pairs;
     entry->second.speed_sum_mps += object.speed_mps;
+    entry->second.speed_sigma_sum_mps += object.speed_sigma_mps;
   }
 }
 

@@ -17,6 +17,7 @@ struct ObjectSummary {
   Nanoseconds last_seen{0};
   std::uint64_t pairs = 0;
   double speed_sum_mps = 0.0;
+  double speed_sigma_sum_mps = 0.0;
 };
 
 struct RunFigures {

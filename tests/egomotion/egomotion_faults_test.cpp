@@ -38,6 +38,51 @@ TEST_P(EgomotionFaultsTest, TooFewTracksFailAndRepeatThePose) {
   EXPECT_TRUE(finite(motion));
 }
 
+// Each track goes on as another one: enough of them, and no motion that many agree on.
+TEST_P(EgomotionFaultsTest, TracksThatNoMotionExplainsFailAndTheNextPairGoesOn) {
+  World world(23, 300);
+  EgomotionEstimator estimator(config());
+  Egomotion motion;
+  estimator.estimate(world.tracks(), motion);
+  for (int k = 0; k < 10; ++k) estimator.estimate(world.step(forward_and_left()), motion);
+  const Eigen::Isometry3d before = motion.T_first_current;
+  TrackSet mixed = world.step(forward_and_left());
+  const TrackSet right = mixed;
+  for (std::size_t k = 0; k < mixed.tracks.size(); ++k)
+    mixed.tracks[k].current = right.tracks[(k + 71) % right.tracks.size()].current;
+  estimator.estimate(mixed, motion);
+  EXPECT_EQ(motion.status, EstimateStatus::kFailed);
+  EXPECT_EQ(motion.reason, EstimateReason::kFewInliers);
+  EXPECT_EQ(motion.quality, 0);
+  EXPECT_EQ(motion.T_first_current.matrix(), before.matrix());
+  EXPECT_TRUE(finite(motion));
+  estimator.estimate(world.step(forward_and_left()), motion);
+  EXPECT_EQ(motion.status, EstimateStatus::kValid);
+}
+
+// Gauss-Newton takes what its last iteration gives; only the sigma-point filter tells that it did
+// not come to rest.
+TEST_P(EgomotionFaultsTest, OnlyASigmaPointFilterThatDoesNotConvergeFailsForThat) {
+  World world(24, 300);
+  EgomotionConfig hasty = config();
+  hasty.gauss_newton.max_iterations = 1;
+  hasty.sigma_point_filter.max_iterations = 1;
+  hasty.gauss_newton.step_tolerance = 1e-9;
+  hasty.sigma_point_filter.step_tolerance = 1e-9;
+  EgomotionEstimator estimator(hasty);
+  Egomotion motion;
+  estimator.estimate(world.tracks(), motion);
+  const Eigen::Isometry3d before = motion.T_first_current;
+  estimator.estimate(world.step(forward_and_left()), motion);
+  if (hasty.method == EgomotionMethod::kGaussNewton) {
+    EXPECT_EQ(motion.status, EstimateStatus::kValid);
+    return;
+  }
+  EXPECT_EQ(motion.status, EstimateStatus::kFailed);
+  EXPECT_EQ(motion.reason, EstimateReason::kNotConverged);
+  EXPECT_EQ(motion.T_first_current.matrix(), before.matrix());
+}
+
 // Points of the world replaced by what `place` makes of them, seen without noise from rest.
 template <typename Place>
 Egomotion estimate_placed(const EgomotionConfig& config, const Place& place) {

@@ -126,6 +126,25 @@ TEST(EgomotionWheels, AWorldThatAllMovesIsNotFollowedInSilence) {
   EXPECT_LT(outcome.end_error_sigmas, 3.0) << "the covariance spans the wheels' motion";
 }
 
+// All that is seen stands still before the rig, while the wheels drive on from the first pair on.
+TEST(EgomotionWheels, TheyContradictAMotionThatNothingIsKnownToRestFor) {
+  World world(7, 500, 1.0);
+  EgomotionEstimator estimator{EgomotionConfig{}};
+  Egomotion motion;
+  Wheels wheels;
+  wheels.follow(resting(), world.tracks());
+  estimator.estimate(world.tracks(), motion);
+  for (int k = 0; k < 5; ++k) {
+    world.mover_velocity_m = world.T_first_current().linear() * walking().translation();
+    world.step(walking(), kDtS);
+    wheels.follow(walking(), world.tracks());
+    estimator.estimate(world.tracks(), motion);
+    ASSERT_EQ(motion.status, EstimateStatus::kAmbiguous) << k;
+    EXPECT_EQ(motion.reason, EstimateReason::kWheelsContradict) << k;
+    EXPECT_LE(motion.quality, 20) << k;
+  }
+}
+
 TEST(EgomotionWheels, SlippingOnesChangeNothingWhereNothingElseMoves) {
   for (const double slip : {0.0, 0.1, 0.2}) {
     const auto drive = [slip](World&, int) { return Step{walking(), slipping(walking(), slip)}; };

@@ -15,6 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr const char* kWorld = R"(duration_s = 3.0
 seed = 3
@@ -52,7 +53,10 @@ TEST(EvaluateWorlds, MakesOneTableAndNamesTheWorldThatIsLeftOut) {
   EXPECT_THAT(table, HasSubstr("| tiny | thesis | 3 |"));
   EXPECT_THAT(table, HasSubstr("| mean | thesis |"));
   EXPECT_THAT(table, HasSubstr("Left out: broken: egomod-sim: " + in("broken.toml") + ":"));
-  EXPECT_THAT(read(in("out/figures.json")), HasSubstr("\"method\": \"thesis\""));
+  const std::string figures = read(in("out/figures.json"));
+  EXPECT_THAT(figures, HasSubstr("\"method\": \"thesis\""));
+  EXPECT_THAT(figures, HasSubstr("\"speed_radar\": {\"all\": {\"n\": "));
+  EXPECT_THAT(figures, Not(HasSubstr("\"sigma_m_s\": null"))) << "the record's standard errors";
   EXPECT_FALSE(fs::exists(in("out/tiny/truth/image_0")));
 }
 

@@ -25,6 +25,7 @@ void score_estimate(const Run& run, const DetectionOptions& options, Evaluation&
     e.odometry = score_odometry(e.truth.poses, e.estimate.poses);
   if (e.estimate.detections && e.truth.objects)
     e.detection = score_detection(e.truth, *e.estimate.detections, options);
+  if (e.detection) e.speed_radar = score_speeds(e.detection->matches);
   if (!e.odometry && !e.detection) {
     throw InputError(run.estimate + ": holds nothing that " + run.truth + " has the truth of");
   }

@@ -8,6 +8,7 @@
 #include "points.hpp"
 #include "record.hpp"
 #include "sequence.hpp"
+#include "speed_radar.hpp"
 
 namespace egomod::eval {
 
@@ -31,6 +32,7 @@ struct Evaluation {
   Estimate estimate;
   std::optional<OdometryFigures> odometry;
   std::optional<DetectionFigures> detection;
+  std::optional<SpeedRadar> speed_radar;
   std::optional<ConsistencyFigures> consistency;
   std::optional<PointFigures> points;
   std::vector<NoiseFigures> noise;  // by depth

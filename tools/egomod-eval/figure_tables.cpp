@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "egomod/core/speed_units.hpp"
+
 namespace egomod::eval {
 namespace {
 
@@ -135,6 +137,30 @@ FigureTable object_table(const DetectionFigures& d) {
     table.rows.push_back({id, o.type, count(o.due), number(recall, 3), count(o.switches),
                           count(o.tracks), number(o.delay_s, 3)});
   }
+  return table;
+}
+
+std::string with_sigma(double value, const std::optional<double>& sigma, int decimals) {
+  return sigma ? fmt::format("{:.{}f} ± {:.{}f}", value, decimals, *sigma, decimals)
+               : number(value, decimals);
+}
+
+FigureTable speed_table(const SpeedRadar& radar) {
+  FigureTable table{"Speed radar, means of the pairs, sigma: standard error of a pair's speed",
+                    {"object", "n", "true, m/s", "reported, m/s", "rmse, m/s", "true, km/h",
+                     "reported, km/h", "rmse, km/h", "within 1 sigma", "error²/sigma²"},
+                    {}};
+  const auto add = [&](const std::string& name, const SpeedFigures& s) {
+    table.rows.push_back({name, count(static_cast<long long>(s.pairs)), number(s.true_mps, 3),
+                          with_sigma(s.mean_mps, s.sigma_mps, 3), number(s.rmse_mps, 3),
+                          number(kKmhPerMps * s.true_mps, 2),
+                          with_sigma(kKmhPerMps * s.mean_mps, s.sigma_kmh(), 2),
+                          number(kKmhPerMps * s.rmse_mps, 2),
+                          s.within_sigma ? fmt::format("{:.0f} %", 100.0 * *s.within_sigma) : "-",
+                          number(s.error2_by_variance, 2)});
+  };
+  for (const auto& [id, figures] : radar.objects) add(id, figures);
+  add("all", radar.all);
   return table;
 }
 
@@ -308,6 +334,7 @@ std::vector<FigureTable> figure_tables(const Evaluation& e) {
     tables.push_back(object_error_table(*e.detection));
     if (!e.detection->by_depth.empty()) tables.push_back(depth_table(*e.detection));
     if (!e.detection->objects.empty()) tables.push_back(object_table(*e.detection));
+    if (e.speed_radar) tables.push_back(speed_table(*e.speed_radar));
   }
   if (e.points) tables.push_back(point_table(*e.points));
   if (!e.noise.empty()) tables.push_back(noise_table(e.noise));
@@ -375,9 +402,14 @@ std::string markdown_of(const FigureTable& table) {
 }
 
 std::string text_of(const FigureTable& table) {
+  const auto width = [](const std::string& utf8) {
+    return static_cast<std::size_t>(std::count_if(utf8.begin(), utf8.end(), [](char c) {
+      return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
+    }));
+  };
   std::vector<std::size_t> widths(table.header.size(), 0);
   const auto widen = [&](const std::vector<std::string>& row) {
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], width(row[i]));
   };
   widen(table.header);
   for (const auto& row : table.rows) widen(row);

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "egomod/core/speed_units.hpp"
+
 namespace egomod::eval {
 namespace {
 
@@ -180,6 +182,23 @@ std::string of(const DetectionFigures& d) {
   return json.text();
 }
 
+std::string of(const SpeedFigures& s) {
+  Object json;
+  json.add("n", static_cast<int>(s.pairs)).add("true_m_s", s.true_mps);
+  json.add("true_km_h", kKmhPerMps * s.true_mps);
+  json.add("speed_m_s", s.mean_mps).add("sigma_m_s", s.sigma_mps);
+  json.add("speed_km_h", kKmhPerMps * s.mean_mps).add("sigma_km_h", s.sigma_kmh());
+  json.add("rmse_m_s", s.rmse_mps).add("rmse_km_h", kKmhPerMps * s.rmse_mps);
+  json.add("within_sigma", s.within_sigma).add("mean_error2_by_variance", s.error2_by_variance);
+  return json.text();
+}
+
+std::string of(const SpeedRadar& radar) {
+  Object objects;
+  for (const auto& [id, figures] : radar.objects) objects.add_json(id, of(figures));
+  return Object().add_json("all", of(radar.all)).add_json("objects", objects.text()).text();
+}
+
 std::string of(const PointFigures& p) {
   Object json;
   json.add("moving", p.moving).add("still", p.still).add("left_out", p.left_out);
@@ -217,6 +236,7 @@ std::string of(const Evaluation& e) {
   if (!e.method.empty()) json.add("method", e.method);
   if (e.odometry) json.add_json("odometry", of(*e.odometry));
   if (e.detection) json.add_json("detection", of(*e.detection));
+  if (e.speed_radar) json.add_json("speed_radar", of(*e.speed_radar));
   if (e.points) json.add_json("points", of(*e.points));
   std::vector<std::string> noise;
   for (const NoiseFigures& figures : e.noise) noise.push_back(of(figures));

@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 
+#include "egomod/core/speed_units.hpp"
+
 namespace egomod::eval {
 namespace {
 
@@ -109,20 +111,22 @@ std::optional<Figure> speeds(const Evaluation& e) {
     FigureData found("found" + std::to_string(k));
     for (const Match& m : e.detection->matches) {
       if (m.truth.id == ids[k] && m.estimate.velocity_mps.allFinite())
-        found.row(m.truth.time_s, m.estimate.velocity_mps.norm());
+        found.row(m.truth.time_s, m.estimate.velocity_mps.norm(),
+                  m.estimate.speed_sigma_mps.value_or(0.0));
     }
     if (found.empty()) continue;
     blocks += truth_speed(e.truth, ids[k], "truth" + std::to_string(k)) + found.text();
     plots += fmt::format(
         "{}$truth{} with lines lw 5 lc rgb '#b0{}' title 'object {}, truth', "
-        "$found{} with points pt 7 ps 0.45 lc rgb '{}' title 'estimate'",
+        "$found{} with yerrorbars pt 7 ps 0.45 lw 0.5 lc rgb '{}' title 'estimate'",
         plots.empty() ? "" : ", ", k, std::string(kColours[k]).substr(1), quotable(ids[k]), k,
         kColours[k]);
   }
   if (plots.empty()) return std::nullopt;
-  return Figure{"Speed of objects over time",
-                blocks +
-                    "set xlabel 'time [s]'\nset ylabel 'speed [m/s]'\nset yrange [0:*]\n"
+  return Figure{"Speed of objects over time, with standard errors",
+                blocks + "set xlabel 'time [s]'\nset ylabel 'speed [m/s]'\nset yrange [0:*]\n" +
+                    fmt::format("set link y2 via {0}*y inverse y/{0}\n", kKmhPerMps) +
+                    "set y2label 'speed [km/h]'\nset y2tics\nset ytics nomirror\n"
                     "set key maxrows 4\nplot " +
                     plots + "\n"};
 }

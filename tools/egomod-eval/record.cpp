@@ -104,6 +104,7 @@ class Evidence {
         if (row.track != std::to_string(object.id)) continue;
         row.position_covariance_m2 = R * matrix_of(object.body_pos_covariance) * R.transpose();
         row.velocity_covariance_m2ps2 = R * matrix_of(object.body_vel_covariance) * R.transpose();
+        row.speed_sigma_mps = object.speed_sigma;
       }
     }
   }

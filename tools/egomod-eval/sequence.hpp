@@ -43,6 +43,7 @@ struct Detection {
   // From a record only; left camera axes.
   std::optional<Eigen::Matrix3d> position_covariance_m2;
   std::optional<Eigen::Matrix3d> velocity_covariance_m2ps2;
+  std::optional<double> speed_sigma_mps;
 };
 
 // Left camera to world.

@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
 #include "egomod/core/geometry.hpp"
+#include "egomod/core/speed_units.hpp"
 
 namespace egomod::log {
 namespace {
@@ -59,6 +61,27 @@ cv::Point pixel(double u_px, double v_px) {
   return {whole(u_px), whole(v_px)};
 }
 
+// Two lines above the rectangle's corner, within the picture. OpenCV's letters have no plus-minus
+// sign.
+void write_speed(const object_t& object, const cv::Point& top_left, cv::Mat& picture) {
+  constexpr double kLetters = 0.45;
+  constexpr int kLine_px = 15;
+  const std::array<std::string, 2> lines{
+      fmt::format("{}: {:.2f}+-{:.2f} m/s", object.id, object.speed, object.speed_sigma),
+      fmt::format("{:.1f} km/h", kKmhPerMps * object.speed)};
+  int width_px = 0;
+  for (const std::string& line : lines)
+    width_px = std::max(
+        width_px, cv::getTextSize(line, cv::FONT_HERSHEY_SIMPLEX, kLetters, 1, nullptr).width);
+  cv::Point at{std::max(0, std::min(top_left.x, picture.cols - width_px)),
+               std::max(top_left.y - 5 - kLine_px, 12)};
+  for (const std::string& line : lines) {
+    cv::putText(picture, line, at, cv::FONT_HERSHEY_SIMPLEX, kLetters, colour(object), 1,
+                cv::LINE_AA);
+    at.y += kLine_px;
+  }
+}
+
 void draw_arrow(const object_t& object, const Calibration& calibration, cv::Mat& picture) {
   const Eigen::Isometry3d T_camera_body = calibration.T_body_camera.inverse();
   const Eigen::Vector3d from = T_camera_body * Eigen::Vector3d::Map(object.body_pos);
@@ -93,9 +116,7 @@ void draw_objects(const object_list_t& objects, const Calibration& calibration, 
   for (const object_t& object : objects.objects) {
     const cv::Point top_left = pixel(object.u_min, object.v_min);
     cv::rectangle(picture, top_left, pixel(object.u_max, object.v_max), colour(object), 2);
-    const std::string label = fmt::format("{} {:.2f} m/s", object.id, object.speed);
-    cv::putText(picture, label, {top_left.x, std::max(top_left.y - 5, 12)},
-                cv::FONT_HERSHEY_SIMPLEX, 0.45, colour(object), 1, cv::LINE_AA);
+    write_speed(object, top_left, picture);
     draw_arrow(object, calibration, picture);
   }
 }

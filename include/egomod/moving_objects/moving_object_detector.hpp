@@ -17,7 +17,8 @@ class MovingObjectDetector {
   ~MovingObjectDetector();
 
   // `objects` is refilled in place; velocities are finite whatever comes in. Without a valid
-  // egomotion nothing becomes MOVING; a pair that was not tracked leaves `has_run` false.
+  // egomotion nothing becomes MOVING. `has_run` is false for a skipped pair only: a rejected one,
+  // which was not tracked either, has its list.
   void detect(const TrackSet& tracks, const Egomotion& motion, MovingObjects& objects);
 
  private:
