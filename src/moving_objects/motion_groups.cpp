@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "egomod/core/geometry.hpp"
+#include "egomod/moving_objects/evidence_gates.hpp"
 
 namespace egomod {
 namespace {
@@ -383,7 +384,7 @@ void MotionGroups::add(const StereoCamera& camera, std::span<const PointSample> 
   group.slides = line.along_line;
   group.recedes = line.like_border;
   for (const auto i : kept) group.evidence += points[i].evidence;
-  group.evidence /= 1.0 + rho * (static_cast<double>(kept.size()) - 1.0);
+  group.evidence = group_evidence(group.evidence, kept.size(), rho);
   group.leaps = std::any_of(kept.begin(), kept.end(), [&](auto i) { return points[i].leaps; });
   group.purity = purity_of(points, kept);
   group.slips = slips_along_texture(camera, points, kept);
