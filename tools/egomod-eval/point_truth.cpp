@@ -8,11 +8,12 @@
 namespace egomod::eval {
 namespace {
 
-// An object reaches as far behind its centre as its visible surface lies before it.
+// An object reaches as far before the centroid of its visible surface, and behind its centre, as
+// these two are apart.
 bool at_depth_of(const TruthObject& object, double depth_m) {
   const double reach_m = std::abs(object.centre_m.z() - object.surface_m.z());
   const double slack_m = depth_slack_m(object.surface_m.z());
-  return depth_m >= std::min(object.surface_m.z(), object.centre_m.z() - reach_m) - slack_m &&
+  return depth_m >= object.surface_m.z() - reach_m - slack_m &&
          depth_m <= object.centre_m.z() + reach_m + slack_m;
 }
 

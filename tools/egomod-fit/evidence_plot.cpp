@@ -60,12 +60,14 @@ void write_bars(std::ostream& out, const char* name, const Panel& panel,
   out << "EOD\n";
 }
 
-void write_cut(std::ostream& out, const Panel& panel, double cut, const char* which, double height,
-               const char* dash) {
+void write_cut(std::ostream& out, const Panel& panel, const Span& span, double cut,
+               const char* which, double height) {
   const double x = panel.place(cut);
-  out << "set arrow from first " << x << ",graph 0 to first " << x << ",graph 1 nohead lw 1.5 "
-      << dash << "\nset label '" << which << ": " << std::round(100.0 * cut) / 100.0
-      << "' at first " << x << ",graph " << height << " offset 0.5,0 front\n";
+  const bool is_left = x < 0.5 * (span.from + span.to);
+  out << "set arrow from first " << x << ",graph 0 to first " << x << ",graph 1 nohead lw 1.5\n"
+      << "set label '" << which << ": " << std::round(100.0 * cut) / 100.0 << "' at first " << x
+      << ",graph " << height << (is_left ? " left offset 0.5,0" : " right offset -0.5,0")
+      << " front boxed\n";
 }
 
 void write_panel(std::ostream& out, const Panel& panel) {
@@ -74,9 +76,9 @@ void write_panel(std::ostream& out, const Panel& panel) {
   write_bars(out, "moving", panel, panel.values.moving, span);
   out << "unset arrow\nunset label\nset title '" << panel.title << "'\nset xlabel '" << panel.axis
       << "'\nset xrange [" << span.from << ":" << span.to << "]\n";
-  write_cut(out, panel, panel.cut.present, "in force", 0.92, "dashtype 1");
+  write_cut(out, panel, span, panel.cut.present, "in force", 0.95);
   if (panel.cut.best && *panel.cut.best != panel.cut.present)
-    write_cut(out, panel, *panel.cut.best, "fitted", 0.80, "dashtype 2");
+    write_cut(out, panel, span, *panel.cut.best, "fitted", 0.87);
   out << "plot $still with boxes lc rgb '#4477aa' title 'static (" << panel.values.still.size()
       << ")', $moving with boxes lc rgb '#cc6633' title 'moving (" << panel.values.moving.size()
       << ")'\n";
@@ -88,7 +90,8 @@ void write_figure(std::ostream& out, const std::string& picture, const std::stri
   out << "# gnuplot evidence.gp\nset terminal "
       << (format == "svg" ? "svg size 1200,900 background 'white'" : "pngcairo size 1200,900")
       << "\nset output '" << picture << "'\nset multiplot layout 2,2\n"
-      << "set style fill transparent solid 0.45 noborder\nset key top right\n"
+      << "set style fill transparent solid 0.45 noborder\nset style textbox opaque noborder\nset "
+         "key above horizontal\n"
       << "set ylabel 'share of the class'\nset yrange [1e-4:2]\nset logscale y\n";
   write_panel(out, {"Points: evidence", "log likelihood ratio, moving over static",
                     samples.evidence, model.evidence, false});

@@ -51,9 +51,10 @@ void print_model(const FilterSamples& samples, const FilterModel& model) {
   print_cut("min_evidence", samples.pair_evidence, model.min_evidence);
   print_cut("confirm_evidence", samples.summed_evidence, model.confirm_evidence);
   if (!model.velocity_prior_mps) {
-    std::printf("velocity_prior_mps: not fitted, %zu velocities of movers, mean square %.4g "
-                "(m/s)^2 along an axis beyond the rig's\n",
-                samples.velocities, samples.velocity_variance_m2ps2);
+    std::printf(
+        "velocity_prior_mps: not fitted, %zu velocities of movers, mean square %.4g "
+        "(m/s)^2 along an axis beyond the rig's\n",
+        samples.velocities, samples.velocity_variance_m2ps2);
   } else {
     std::printf("velocity_prior_mps: %.4g m/s, of %zu velocities of movers\n",
                 *model.velocity_prior_mps, samples.velocities);

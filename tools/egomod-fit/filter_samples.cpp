@@ -66,8 +66,8 @@ class Labeller {
     const double speed_mps = pair.point(track).speed_mps;
     const double variance = speed_mps * speed_mps / 3.0 - pair.rig_speed_mps * pair.rig_speed_mps;
     ++samples_.velocities;
-    samples_.velocity_variance_m2ps2 += (variance - samples_.velocity_variance_m2ps2) /
-                                        static_cast<double>(samples_.velocities);
+    samples_.velocity_variance_m2ps2 +=
+        (variance - samples_.velocity_variance_m2ps2) / static_cast<double>(samples_.velocities);
   }
 
   void add(const Group& group, ObjectLife& life) const {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// egomod-fit: what the methods decide by, from labelled velocities or from records with their truth.
+// egomod-fit: what the methods decide by, from labelled velocities or from records with their
+// truth.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>

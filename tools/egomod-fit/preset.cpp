@@ -38,8 +38,8 @@ Assignment assignment_of(const std::string& line) {
   if (equals == std::string::npos || stripped(line).front() == '#') return {};
   const auto comment = line.find('#', equals);
   return {stripped(line.substr(0, equals)),
-          stripped(line.substr(equals + 1, comment == std::string::npos ? comment
-                                                                        : comment - equals - 1))};
+          stripped(line.substr(equals + 1,
+                               comment == std::string::npos ? comment : comment - equals - 1))};
 }
 
 bool begins_table(const std::string& line) { return stripped(line).starts_with('['); }

@@ -19,8 +19,8 @@ inline constexpr double kMovingChi2 = 11.34;    // 99 %, 3 dof: its velocity aga
 // The leaky sum over pairs that confirms an object, with one pair's evidence added.
 [[nodiscard]] inline double add_evidence(double sum, double group_evidence) {
   constexpr double kMemory = 0.9;  // of one pair
-  constexpr double kMostPerPair = 40.0;
-  return kMemory * sum + std::clamp(group_evidence, 0.0, kMostPerPair);
+  constexpr double kMostOfOnePair = 40.0;
+  return kMemory * sum + std::clamp(group_evidence, 0.0, kMostOfOnePair);
 }
 
 }  // namespace egomod
