@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 
 #include "labels.hpp"
@@ -50,9 +51,9 @@ std::string line_of(const FittedKey& key) {
 
 std::string text_of_file(const std::string& path) {
   std::ifstream file(path);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) throw InputError(path + ": cannot be read");
-  return text.str();
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!file.is_open() || file.bad()) throw InputError(path + ": cannot be read");
+  return text;
 }
 
 std::filesystem::path target_of(const Options& options) {
