@@ -91,7 +91,7 @@ void EgomotionEstimator::follow(const TrackSet& tracks, Egomotion& motion) {
   if (failure != EstimateReason::kNone) {
     fail(failure, tracks, motion);
     // A map that is given up for its contradictions need not wait for the next pair, where enough
-    // is seen that it does not know; but one that has explained nothing yet was begun by a bad pair
+    // is seen that it does not know; one that has explained nothing yet was begun by a bad pair
     // too.
     if (!config_.map || !is_lost_ || explained_pairs_ == 0 || tracks.status != TrackStatus::kOk ||
         unknown_tracks(tracks) < kTracksToStartAnew)
@@ -127,7 +127,9 @@ void EgomotionEstimator::begin(const TrackSet& tracks, Egomotion& motion) const 
 void EgomotionEstimator::finish(Egomotion& motion) const {
   motion.T_first_current = pose_.T_first_current();
   motion.covariance_first_current = pose_.covariance() + against_map_;
-  if (config_.map && motion.status == EstimateStatus::kFailed)
+  // What the pose does not know of yet, or what the next motion will take in.
+  if (motion.status == EstimateStatus::kFailed &&
+      (config_.map || motion.reason == EstimateReason::kPairRejected))
     motion.covariance_first_current += motion.covariance_previous_current;
   motion.reset_count = pose_.reset_count();
 }
@@ -137,6 +139,7 @@ void EgomotionEstimator::repeat_pose(const TrackSet& tracks, Egomotion& motion) 
   skipped_ += skipped ? 1 : 0;
   motion.status = skipped ? EstimateStatus::kSkipped : EstimateStatus::kFailed;
   motion.reason = skipped ? EstimateReason::kNone : EstimateReason::kPairRejected;
+  if (!skipped) motion.covariance_previous_current = unknown_motion();
   finish(motion);
 }
 
@@ -146,8 +149,7 @@ void EgomotionEstimator::start_anew(EstimateReason reason, const TrackSet& track
   motion.previous_exposure = tracks.exposure;
   if (started_) {
     motion.reason = reason;
-    pose_.reset(
-        diagonal_covariance(config_.reset_translation_sigma_m, config_.reset_rotation_sigma_rad));
+    pose_.reset(unknown_motion());
   }
   started_ = true;
   start_exposure_ = tracks.exposure;
@@ -341,7 +343,8 @@ EstimateReason EgomotionEstimator::judge(const Solution& solution, const Egomoti
 // `solution` then, the other one in `other`.
 bool EgomotionEstimator::weigh_rival(const TrackSet& tracks, Solution& solution, Solution& other,
                                      Egomotion& motion) {
-  if (tracks.previous_exposure != reference_exposure_) return false;
+  if (tracks.previous_exposure != reference_exposure_)
+    return rival_finder_.goes_on(solution, dt_s_, other);
   Rival& rival = rival_;
   const VelocityPrior prior{habit_, dt_s_, wheels_ ? &*wheels_ : nullptr};
   if (!rival_finder_.find(tracks, solution, motion.roles, known_points(), noise_scale_, prior,
@@ -397,8 +400,8 @@ void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution
   ++explained_pairs_;
   motion.reason = after_hole_ ? EstimateReason::kHole : EstimateReason::kNone;
   after_hole_ = false;
-  pose_.doubt(
-      scale_doubt_.note(tracks, correspondences_, solution.T_previous_current, dt_s_, scratch_));
+  const Matrix6d growth =
+      scale_doubt_.note(tracks, correspondences_, solution.T_previous_current, dt_s_, scratch_);
   const double share = motion.inliers / static_cast<double>(correspondences_.size()) /
                        (1.0 + std::pow(scale_doubt_.sigma() / kScaleOfHalfQuality, 2));
   motion.quality = std::clamp(
@@ -407,10 +410,11 @@ void EgomotionEstimator::accept(const TrackSet& tracks, const Solution& solution
       1, 100);
   motion.T_previous_current = solution.T_previous_current;
   const Matrix6d Ad = adjoint(solution.T_previous_current.inverse());
-  motion.covariance_previous_current = solution.covariance + Ad * against_map_ * Ad.transpose();
-  motion.covariance_previous_current += scale_doubt_.covariance();
+  motion.covariance_previous_current =
+      solution.covariance + Ad * against_map_ * Ad.transpose() + scale_doubt_.covariance();
   pose_.compose(solution.T_previous_current,
                 error_growth_.share(known_points(), dt_s_) * solution.covariance);
+  pose_.doubt(growth);
   if (config_.map) against_map_ = solution.covariance;
   keep_velocity(motion);
   adapt_noise_scale();
@@ -445,8 +449,7 @@ void EgomotionEstimator::fail(EstimateReason reason, const TrackSet& tracks, Ego
   motion.status = EstimateStatus::kFailed;
   motion.reason = reason;
   pair_velocity_.clear();
-  motion.covariance_previous_current =
-      diagonal_covariance(config_.reset_translation_sigma_m, config_.reset_rotation_sigma_rad);
+  motion.covariance_previous_current = unknown_motion();
   is_lost_ = is_lost_ || tracks.discontinuity;
   const bool contradicted =
       reason == EstimateReason::kFewInliers || reason == EstimateReason::kNotConverged;
@@ -474,6 +477,10 @@ void EgomotionEstimator::note_common_error() {
   if (const auto common = gauss_newton_.common_error()) error_growth_.note(*common, dt_s_);
 }
 
+Matrix6d EgomotionEstimator::unknown_motion() const {
+  return diagonal_covariance(config_.reset_translation_sigma_m, config_.reset_rotation_sigma_rad);
+}
+
 VelocityState EgomotionEstimator::unknown_velocity() const {
   VelocityState state;
   state.covariance = diagonal_covariance(config_.sigma_point_filter.initial_speed_sigma_mps,
@@ -481,8 +488,7 @@ VelocityState EgomotionEstimator::unknown_velocity() const {
   return state;
 }
 
-// Pairs that were dropped or rejected have left a gap in the numbers, those that never came have
-// not.
+// Pairs that were dropped or rejected leave a gap in the numbers, those that never came do not.
 void EgomotionEstimator::watch_for_holes(const TrackSet& tracks) {
   const bool late = interval_watch_.is_late(tracks.exposure);
   const bool tracked = tracks.status != TrackStatus::kNotRun;

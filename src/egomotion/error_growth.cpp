@@ -65,7 +65,8 @@ Matrix6d ScaleDoubt::note(const TrackSet& tracks, std::span<const Correspondence
   const double disparity_px = std::max(median(scratch, 1.0), 1.0);
   sigma_ = tracks.camera.fx_px * tracks.right_turn.yaw_sigma_rad / disparity_px;
   Vector6d error = Vector6d::Zero();
-  error.head<3>() = sigma_ * T_previous_current.translation();
+  error.head<3>() =
+      sigma_ * T_previous_current.linear().transpose() * T_previous_current.translation();
   covariance_ = doubt_of(error.head<3>());
   return dt_s * doubt_of(lasting_.add(error, T_previous_current, dt_s).head<3>());
 }

@@ -57,6 +57,13 @@ double velocity_distance(const Vector6d& a, const Vector6d& b) {
 
 }  // namespace
 
+bool RivalFinder::goes_on(const Solution& estimate, double dt_s, Solution& other) const {
+  if (!found_) return false;
+  other = estimate;
+  other.T_previous_current = motion_of(past_.other, dt_s);
+  return true;
+}
+
 bool RivalFinder::find(const TrackSet& tracks, const Solution& estimate,
                        std::span<const TrackRole> roles, std::span<const MapPoint> map,
                        double noise_scale, const VelocityPrior& prior, Rival& rival) {

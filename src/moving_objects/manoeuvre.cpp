@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moving_objects/manoeuvre.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace egomod {
@@ -13,6 +14,8 @@ constexpr double kUnrestMemory_s = 0.5;
 constexpr double kAlongShare = 0.7;
 constexpr double kAcrossShare = 0.04;
 constexpr double kLeadShare = 0.3;  // of the change: more of it adds more noise than it takes lag
+// Of the mean square of changes, their mean's square has this share where they are noise.
+constexpr double kTrendOfNoise = 0.3;
 
 // Of the velocity of what stood: by so much it may be behind when it first shows.
 constexpr double kBehind = 2.0;
@@ -34,6 +37,7 @@ void Manoeuvre::follow(const Eigen::Vector3d& velocity_mps, Nanoseconds now,
   }
   slow_mps_ -= std::expm1(-elapsed_s / kMemory_s) * (velocity_mps - slow_mps_);
   change_mps_ = velocity_mps - slow_mps_;
+  trend_mps_ -= std::expm1(-elapsed_s / kUnrestMemory_s) * (change_mps_ - trend_mps_);
   unrest_m2ps2_ -= std::expm1(-elapsed_s / kUnrestMemory_s) *
                    (change_mps_ * change_mps_.transpose() - unrest_m2ps2_);
 }
@@ -41,10 +45,18 @@ void Manoeuvre::follow(const Eigen::Vector3d& velocity_mps, Nanoseconds now,
 void Manoeuvre::rotate(const Eigen::Matrix3d& R_to_from) {
   slow_mps_ = R_to_from * slow_mps_;
   change_mps_ = R_to_from * change_mps_;
+  trend_mps_ = R_to_from * trend_mps_;
   unrest_m2ps2_ = R_to_from * unrest_m2ps2_ * R_to_from.transpose();
 }
 
 Eigen::Vector3d Manoeuvre::lead_mps() const { return kLeadShare * change_mps_; }
+
+Eigen::Vector3d Manoeuvre::steady_lead_mps() const {
+  const double unrest_m2ps2 = unrest_m2ps2_.trace();
+  if (unrest_m2ps2 <= 0.0) return Eigen::Vector3d::Zero();
+  const double share = trend_mps_.squaredNorm() / unrest_m2ps2;
+  return std::clamp((share - kTrendOfNoise) / (1.0 - kTrendOfNoise), 0.0, 1.0) * trend_mps_;
+}
 
 Eigen::Matrix3d Manoeuvre::covariance_m2ps2() const {
   const Eigen::Vector3d velocity_mps = slow_mps_ + change_mps_;

@@ -23,6 +23,9 @@ class Manoeuvre {
   void rotate(const Eigen::Matrix3d& R_to_from);
 
   [[nodiscard]] Eigen::Vector3d lead_mps() const;  // to be added to the velocity
+  // Beyond it, by what the filters are behind of a velocity that goes on to change alike: for what
+  // is told only, since the parts of a body are behind alike.
+  [[nodiscard]] Eigen::Vector3d steady_lead_mps() const;
   [[nodiscard]] Eigen::Matrix3d covariance_m2ps2() const;
   // What it may well do now.
   [[nodiscard]] Eigen::Matrix3d acceleration_m2ps4() const;
@@ -41,6 +44,7 @@ class Manoeuvre {
   MotionStart start_;
   Eigen::Vector3d slow_mps_ = Eigen::Vector3d::Zero();      // the velocity, of late
   Eigen::Vector3d change_mps_ = Eigen::Vector3d::Zero();    // from there to this pair's
+  Eigen::Vector3d trend_mps_ = Eigen::Vector3d::Zero();     // mean of changes
   Eigen::Matrix3d unrest_m2ps2_ = Eigen::Matrix3d::Zero();  // mean square of changes
 };
 

@@ -122,6 +122,12 @@ double velocity_chi2(const PointSample& point, const Eigen::Vector3d& velocity_m
   return e.dot(velocity_information(point) * e);
 }
 
+double joint_evidence(std::span<const PointSample> points, Members members, double correlation) {
+  double sum = 0.0;
+  for (const auto i : members) sum += points[i].evidence;
+  return group_evidence(sum, members.size(), correlation);
+}
+
 LineMotion line_motion(const StereoCamera& camera, std::span<const PointSample> points,
                        Members members) {
   Eigen::Vector2d mean_px = Eigen::Vector2d::Zero();
@@ -383,8 +389,7 @@ void MotionGroups::add(const StereoCamera& camera, std::span<const PointSample> 
   const LineMotion line = line_motion(camera, points, kept);
   group.slides = line.along_line;
   group.recedes = line.like_border;
-  for (const auto i : kept) group.evidence += points[i].evidence;
-  group.evidence = group_evidence(group.evidence, kept.size(), rho);
+  group.evidence = joint_evidence(points, kept, rho);
   group.leaps = std::any_of(kept.begin(), kept.end(), [&](auto i) { return points[i].leaps; });
   group.purity = purity_of(points, kept);
   group.slips = slips_along_texture(camera, points, kept);

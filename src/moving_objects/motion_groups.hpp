@@ -87,6 +87,10 @@ struct LineMotion {
 [[nodiscard]] bool lies_on_unseen_border(const StereoCamera& camera, const MotionGroup& group,
                                          std::span<const PointSample> points);
 
+// Log likelihood ratio of points that move together, whose errors are correlated.
+[[nodiscard]] double joint_evidence(std::span<const PointSample> points, Members members,
+                                    double correlation);
+
 // As echoes_surroundings, from a mover's texture: true when the group lies within that of `source`,
 // at another depth, and crosses the image as that one does.
 [[nodiscard]] bool echoes_mover(const StereoCamera& camera, const MotionGroup& group,

@@ -2,6 +2,7 @@
 // Which object each group of moving points belongs to, and which groups open a new one.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "egomod/moving_objects/evidence_gates.hpp"
 #include "moving_objects/object_table.hpp"
@@ -49,18 +50,21 @@ bool ObjectTable::carries_on(std::span<const PointSample> points, Members member
 }
 
 ObjectTable::Tracked* ObjectTable::by_place(const MotionGroup& group) {
+  Tracked* nearest = nullptr;
+  double nearest_m = std::numeric_limits<double>::infinity();
   for (Tracked& tracked : objects_) {
-    const MovingObject& object = tracked.object;
+    if (tracked.evident) continue;
     const double unseen_s = to_seconds(now_ - tracked.last_evidence);
-    if (!tracked.evident &&
-        (tracked.box.centre_m - group.centre_m).norm() <
-            kReclaimDistance_m + kReclaimDrift_mps * unseen_s &&
-        (object.velocity_mps - group.velocity_mps).norm() <
-            kReclaimSpeed_mps + kReclaimSpeedShare * group.velocity_mps.norm()) {
-      return &tracked;
+    const double off_m = (tracked.box.centre_m - group.centre_m).norm();
+    const bool at_place = off_m < kReclaimDistance_m + kReclaimDrift_mps * unseen_s;
+    const bool at_speed = (tracked.object.velocity_mps - group.velocity_mps).norm() <
+                          kReclaimSpeed_mps + kReclaimSpeedShare * group.velocity_mps.norm();
+    if (at_place && at_speed && off_m < nearest_m) {
+      nearest = &tracked;
+      nearest_m = off_m;
     }
   }
-  return nullptr;
+  return nearest;
 }
 
 // A group beside an object with many more points, in one body with it, or a thin one at one that
@@ -69,8 +73,9 @@ bool ObjectTable::is_limb(const MotionGroup& group) const {
   return std::any_of(objects_.begin(), objects_.end(), [&](const Tracked& tracked) {
     const bool is_thin = group.size_m.x() < kLimbWidth_m && tracked.object.age_s > kKnown_s;
     const bool is_seen = to_seconds(now_ - tracked.last_evidence) < kLimbMemory_s;
-    if (is_thin && is_seen && tracked.confirmed &&
-        hangs_on(group.centre_m, tracked.box, kLimbSwing_m))
+    const auto trunk = trunk_in(tracked.box);
+    if (is_thin && is_seen && tracked.confirmed && trunk &&
+        hangs_on(group.centre_m, *trunk, kLimbSwing_m))
       return true;
     return tracked.evident && tracked.body == group.body &&
            kLimbRatio * group.count < tracked.group;

@@ -59,6 +59,19 @@ bool move_as_one(const MovingObject& a, const MovingObject& b) {
   return dv.dot(S.inverse() * dv) < kPartChi2;
 }
 
+bool rests(const PointSample& point) { return point.stands && !point.left_only; }
+
+// Of velocities, as a variance.
+Eigen::Matrix3d scatter_about(std::span<const PointSample> points, Members members,
+                              const Eigen::Vector3d& velocity_mps) {
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  for (const auto i : members) {
+    const Eigen::Vector3d off_mps = points[i].velocity_mps - velocity_mps;
+    squares += off_mps * off_mps.transpose();
+  }
+  return squares / static_cast<double>(members.size());
+}
+
 MotionStart start_of(std::span<const PointSample> points, Members members) {
   MotionStart start;
   const auto count = static_cast<double>(members.size());
@@ -117,6 +130,13 @@ bool ObjectTable::is_at(const PointSample& point, const Box& box) {
   return off_m.x() < kLimbSpan_m && off_m.z() < kLimbDepth_m;
 }
 
+// Of a person; none in what is larger.
+std::optional<ObjectTable::Box> ObjectTable::trunk_in(Box box) {
+  if (box.size_m.x() > kWidestTrunk_m || box.size_m.y() > kTallest_m) return std::nullopt;
+  box.size_m.z() = std::min(box.size_m.z(), kDeepestTrunk_m);
+  return box;
+}
+
 // Below it its legs, above it its head: all of it no taller than a person.
 bool ObjectTable::hangs_on(const Eigen::Vector3d& position_m, const Box& trunk,
                            double beside_reach_m) {
@@ -140,6 +160,7 @@ void ObjectTable::move_on(const StereoCamera& camera, Nanoseconds exposure,
     tracked.box.centre_m =
         T_current_previous * (tracked.box.centre_m + elapsed_s * object.velocity_mps);
     object.velocity_mps = R * object.velocity_mps;
+    object.angular_velocity_radps = R * object.angular_velocity_radps;
     tracked.manoeuvre.rotate(R);
     doubt(elapsed_s, to_seconds(now_ - tracked.last_evidence), object);
     object.position_covariance_m2 = R * object.position_covariance_m2 * R.transpose();
@@ -167,6 +188,20 @@ void ObjectTable::miss(const TrackSet& tracks) {
   for (Tracked& tracked : objects_) {
     if (tracked.object.state == ObjectState::kMoving) tracked.object.state = ObjectState::kCoasting;
   }
+  forget_lost();
+}
+
+void ObjectTable::forget_lost() {
+  const auto lost = std::remove_if(objects_.begin(), objects_.end(),
+                                   [this](const Tracked& tracked) { return is_lost(tracked); });
+  if (lost == objects_.end()) return;
+  objects_.erase(lost, objects_.end());
+  for (std::int64_t& owner : owners_) {
+    const bool lives = std::any_of(objects_.begin(), objects_.end(), [&](const Tracked& tracked) {
+      return tracked.object.id == owner;
+    });
+    if (!lives) owner = 0;
+  }
 }
 
 void ObjectTable::predict(const TrackSet& tracks, const Egomotion& motion) {
@@ -192,7 +227,7 @@ void ObjectTable::update(const StereoCamera& camera, std::span<const PointSample
     collect(points, tracked);
     tracked.evident = tracked.evident && is_proper(points, tracked);
     if (!tracked.evident) {
-      coast(points, tracked);
+      coast(camera, points, tracked);
       continue;
     }
     ++tracked.pairs;
@@ -203,7 +238,7 @@ void ObjectTable::update(const StereoCamera& camera, std::span<const PointSample
     tracked.object.state = tracked.confirmed ? ObjectState::kMoving : ObjectState::kTentative;
   }
   absorb_parts(camera, points);
-  std::erase_if(objects_, [this](const Tracked& tracked) { return is_lost(tracked); });
+  forget_lost();
 }
 
 // A pair after a long interval tells as much as many that follow each other quickly.
@@ -282,13 +317,12 @@ void ObjectTable::collect(std::span<const PointSample> points, const Tracked& tr
 Members ObjectTable::outline_of(std::span<const PointSample> points, Members seen,
                                 const Tracked& tracked) {
   if (!tracked.confirmed || seen.empty()) return members_;
-  Box trunk{centre_of(points, seen), extent_of(points, seen)};
-  if (trunk.size_m.x() > kWidestTrunk_m || trunk.size_m.y() > kTallest_m) return members_;
-  trunk.size_m.z() = std::min(trunk.size_m.z(), kDeepestTrunk_m);
+  const auto trunk = trunk_in({centre_of(points, seen), extent_of(points, seen)});
+  if (!trunk) return members_;
   outline_.assign(members_.begin(), members_.end());
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!points[i].moves || points[i].left_only || owners_[points[i].track] != 0) continue;
-    if (hangs_on(points[i].position_m, trunk, kLegSpan_m))
+    if (hangs_on(points[i].position_m, *trunk, kLegSpan_m))
       outline_.push_back(static_cast<Grouper::Index>(i));
   }
   return outline_.size() < members_.size() + kLeastPoints ? Members(members_) : Members(outline_);
@@ -296,8 +330,17 @@ Members ObjectTable::outline_of(std::span<const PointSample> points, Members see
 
 void ObjectTable::measure(const StereoCamera& camera, std::span<const PointSample> points,
                           Tracked& tracked) {
-  MovingObject& object = tracked.object;
   const Members seen = seen_by_both(points);
+  measure_place(camera, points, seen, tracked);
+  MovingObject& object = tracked.object;
+  tracked.latest = {object.velocity_mps, object.velocity_covariance_m2ps2};
+  if (!seen.empty()) measure_motion(points, seen, tracked);
+  set_speed(object);
+}
+
+void ObjectTable::measure_place(const StereoCamera& camera, std::span<const PointSample> points,
+                                Members seen, Tracked& tracked) {
+  MovingObject& object = tracked.object;
   const Members outline = outline_of(points, seen, tracked);
   object.rectangle = rectangle_of(points, outline);
   tracked.own_rectangle = rectangle_of(points, members_);
@@ -313,11 +356,7 @@ void ObjectTable::measure(const StereoCamera& camera, std::span<const PointSampl
     object.position_covariance_m2 = mean_covariance(points, seen, config_.error_correlation,
                                                     &PointSample::position_covariance_m2) +
                                     shape_variance_m2(object) * Eigen::Matrix3d::Identity();
-  tracked.latest = {object.velocity_mps, object.velocity_covariance_m2ps2};
-  if (!seen.empty()) measure_motion(points, seen, tracked);
-  set_speed(object);
-  object.motion_probability = logistic(motion_log_ratio(
-      tracked.latest.mps, tracked.latest.covariance_m2ps2, config_.velocity_prior_mps));
+  object.motion_probability = logistic(joint_evidence(points, members_, config_.error_correlation));
 }
 
 // The members that tell depth and velocity; none where too few do: the last disparities before the
@@ -345,7 +384,10 @@ void ObjectTable::measure_motion(std::span<const PointSample> points, Members me
                                  Tracked& tracked) {
   MovingObject& object = tracked.object;
   const Members trunk = trunk_of(points, members, tracked);
-  if (trunk.empty()) return;
+  if (trunk.empty()) {
+    tracked.latest.covariance_m2ps2 += scatter_about(points, members, object.velocity_mps);
+    return;
+  }
   const BodyMotion body =
       fit_body_motion(points, trunk, object.position_m, config_.error_correlation);
   Manoeuvre& manoeuvre = tracked.manoeuvre;
@@ -359,12 +401,12 @@ void ObjectTable::measure_motion(std::span<const PointSample> points, Members me
   const Eigen::Matrix3d rest_m2ps2 = youth * body.velocity_covariance_m2ps2 +
                                      lever * object.position_covariance_m2 * lever.transpose();
   object.velocity_covariance_m2ps2 = rest_m2ps2 + manoeuvres_m2ps2;
-  tracked.latest.mps = object.velocity_mps;
+  tracked.latest.mps = object.velocity_mps + manoeuvre.steady_lead_mps();
   if (manoeuvre.has_past()) {
     const Eigen::Vector3d ray = object.position_m.normalized();
     const Eigen::Vector3d behind_mps =
         manoeuvre.behind_share() * ray.dot(object.velocity_mps) * ray;
-    take(fit_recent_motion(points, trunk, body, object.position_m, object.velocity_mps,
+    take(fit_recent_motion(points, trunk, body, object.position_m, tracked.latest.mps,
                            manoeuvre.acceleration_m2ps4()),
          behind_mps * behind_mps.transpose(), tracked.latest.mps, manoeuvres_m2ps2);
   }
@@ -372,15 +414,30 @@ void ObjectTable::measure_motion(std::span<const PointSample> points, Members me
 }
 
 // Without a group of its own: does it rest, or is it only not seen?
-void ObjectTable::coast(std::span<const PointSample> points, Tracked& tracked) {
+void ObjectTable::coast(const StereoCamera& camera, std::span<const PointSample> points,
+                        Tracked& tracked) {
   const auto still =
-      std::count_if(members_.begin(), members_.end(), [&](auto i) { return points[i].stands; });
+      std::count_if(members_.begin(), members_.end(), [&](auto i) { return rests(points[i]); });
   const auto count = static_cast<std::ptrdiff_t>(members_.size());
   const bool stopped = still >= static_cast<std::ptrdiff_t>(kLeastPoints) && 2 * still > count;
   MovingObject& object = tracked.object;
   object.points = stopped || !tracked.confirmed ? static_cast<int>(count) : 0;
   if (!tracked.confirmed) return;
   object.state = stopped ? ObjectState::kStopped : ObjectState::kCoasting;
+  if (stopped) rest(camera, points, tracked);
+}
+
+// It is where its points stand, and has their doubt about their velocity, but none itself.
+void ObjectTable::rest(const StereoCamera& camera, std::span<const PointSample> points,
+                       Tracked& tracked) {
+  std::erase_if(members_, [&](auto i) { return !rests(points[i]); });
+  measure_place(camera, points, members_, tracked);
+  MovingObject& object = tracked.object;
+  object.velocity_mps.setZero();
+  object.angular_velocity_radps.setZero();
+  object.velocity_covariance_m2ps2 = mean_covariance(points, members_, config_.error_correlation,
+                                                     &PointSample::velocity_covariance_m2ps2);
+  set_speed(object);
 }
 
 bool ObjectTable::is_lost(const Tracked& tracked) const {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -100,6 +101,7 @@ class ObjectTable {
                                 const MotionGroup& group, const MotionGroups& finder);
   [[nodiscard]] static Box joined(const Box& a, const Box& b);
   [[nodiscard]] static bool is_at(const PointSample& point, const Box& box);
+  [[nodiscard]] static std::optional<Box> trunk_in(Box box);
   [[nodiscard]] static bool hangs_on(const Eigen::Vector3d& position_m, const Box& trunk,
                                      double beside_reach_m);
   [[nodiscard]] bool is_limb(const MotionGroup& group) const;
@@ -109,6 +111,8 @@ class ObjectTable {
   [[nodiscard]] bool belongs(const PointSample& point, const Tracked& tracked) const;
   void collect(std::span<const PointSample> points, const Tracked& tracked);
   void measure(const StereoCamera& camera, std::span<const PointSample> points, Tracked& tracked);
+  void measure_place(const StereoCamera& camera, std::span<const PointSample> points, Members seen,
+                     Tracked& tracked);
   [[nodiscard]] Members outline_of(std::span<const PointSample> points, Members seen,
                                    const Tracked& tracked);
   [[nodiscard]] Members seen_by_both(std::span<const PointSample> points);
@@ -118,7 +122,9 @@ class ObjectTable {
   void absorb_parts(const StereoCamera& camera, std::span<const PointSample> points);
   [[nodiscard]] bool is_proven(const Tracked& tracked) const;
   [[nodiscard]] bool is_proper(std::span<const PointSample> points, const Tracked& tracked) const;
-  void coast(std::span<const PointSample> points, Tracked& tracked);
+  void coast(const StereoCamera& camera, std::span<const PointSample> points, Tracked& tracked);
+  void rest(const StereoCamera& camera, std::span<const PointSample> points, Tracked& tracked);
+  void forget_lost();
   [[nodiscard]] bool is_lost(const Tracked& tracked) const;
 
   const MovingObjectsConfig config_;

@@ -87,7 +87,8 @@ void fill_motion(const PointMotion& motion, const Eigen::Matrix3d& R_body_camera
                  track_t& message) {
   message.state = static_cast<std::int8_t>(motion.state);
   message.object_id = motion.object_id;
-  Eigen::Vector3f::Map(message.vel) = (R_body_camera * motion.velocity_mps).cast<float>();
+  if (motion.state != PointState::kUnknown)
+    Eigen::Vector3f::Map(message.vel) = (R_body_camera * motion.velocity_mps).cast<float>();
   message.evidence = motion.evidence;
   message.chi2 = motion.chi2;
 }

@@ -133,12 +133,15 @@ TEST_P(EgomotionFaultsTest, RejectedPairsFailAndAreComposedOver) {
   estimator.estimate(rejected, motion);
   EXPECT_EQ(motion.status, EstimateStatus::kFailed);
   EXPECT_EQ(motion.reason, EstimateReason::kPairRejected);
+  EXPECT_GE(motion.covariance_first_current(0, 0), 0.25) << "it may have gone anywhere";
+  EXPECT_GE(motion.covariance_previous_current(0, 0), 0.25);
   TrackSet next = world.step(forward_and_left());
   next.sequence = 2;
   estimator.estimate(next, motion);
   EXPECT_EQ(motion.status, EstimateStatus::kValid);
   EXPECT_EQ(motion.reason, EstimateReason::kHole);
   EXPECT_LT(error_of(motion, forward_and_left()).norm(), 0.01);
+  EXPECT_LT(motion.covariance_first_current(0, 0), 0.01) << "and now it is known where";
 }
 
 // Images that never came leave no gap in the numbers.

@@ -251,6 +251,26 @@ TEST(EgomotionMovers, TheirComingAllocatesNothing) {
   EXPECT_EQ(motion.status, EstimateStatus::kAmbiguous);
 }
 
+TEST(EgomotionMovers, ADoubtOutlastsAPairInWhichNothingIsSeen) {
+  World world = world_with(1, 0.0);
+  EgomotionEstimator estimator{EgomotionConfig{}};
+  Egomotion motion;
+  estimator.estimate(world.tracks(), motion);
+  for (int k = 0; k < kMoverComes; ++k) estimator.estimate(world.step(walking(), kDtS), motion);
+  world.let_mover_in(0.5);
+  for (int k = 0; k < 5; ++k) estimator.estimate(world.step(walking(), kDtS), motion);
+  ASSERT_EQ(motion.status, EstimateStatus::kAmbiguous);
+  TrackSet blind = world.step(walking(), kDtS);
+  for (Track& track : blind.tracks) track.has_current = false;
+  estimator.estimate(blind, motion);
+  ASSERT_EQ(motion.status, EstimateStatus::kFailed);
+  for (int k = 0; k < 2; ++k) {
+    estimator.estimate(world.step(walking(), kDtS), motion);
+    EXPECT_EQ(motion.status, EstimateStatus::kAmbiguous) << k;
+    EXPECT_LE(motion.quality, 20) << k;
+  }
+}
+
 TEST(EgomotionMovers, TheCovarianceSpansTheOtherMotion) {
   for (std::uint32_t seed = 0; seed < kSeeds; ++seed)
     EXPECT_LT(run_with_mover_from_the_start(seed, 0.6).end_error_sigmas, 6.0) << seed;

@@ -62,6 +62,21 @@ TEST(ScaleDoubt, BendsAndTurnsTheWayLessThanItStretchesIt) {
   EXPECT_EQ(covariance(5, 5), 0.0) << "about the way itself";
 }
 
+TEST(ScaleDoubt, IsAlongTheWayAsTheNewPoseSeesIt) {
+  DoubtedYaw yaw;
+  Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
+  T_previous_current.linear() =
+      Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  T_previous_current.translation() =
+      Eigen::Vector3d(0.0, 0.0, 0.02);  // to the left of where it looks now
+  const Matrix6d growth =
+      yaw.doubt.note(yaw.tracks, yaw.seen, T_previous_current, kPair_s, yaw.scratch);
+  for (const Matrix6d& covariance : {growth, yaw.doubt.covariance()}) {
+    EXPECT_GT(covariance(0, 0), 0.0);
+    EXPECT_LT(covariance(2, 2), 0.01 * covariance(0, 0));
+  }
+}
+
 TEST(ScaleDoubt, IsNoneAtRestAndWhereTheCameraHasNotTurned) {
   DoubtedYaw yaw;
   EXPECT_TRUE(yaw.note(Eigen::Vector3d::Zero()).isZero());

@@ -24,6 +24,18 @@ class Filter : public ::testing::Test {
     detector.detect(tracks, motion, objects);
     return objects;
   }
+  // A pair without images.
+  void reject(int pair) {
+    TrackSet rejected;
+    rejected.camera = synthetic::kCamera;
+    rejected.sequence = static_cast<std::uint64_t>(pair);
+    rejected.exposure = world.exposure(pair);
+    rejected.pair_status = PairStatus::kRejected;
+    rejected.status = TrackStatus::kNotRun;
+    Egomotion motion;
+    motion.status = EstimateStatus::kFailed;
+    detector.detect(rejected, motion, objects);
+  }
   [[nodiscard]] int count(ObjectState state) const {
     return static_cast<int>(std::count_if(objects.objects.begin(), objects.objects.end(),
                                           [&](const auto& o) { return o.state == state; }));

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <ostream>
@@ -251,9 +252,17 @@ TEST_F(Filter, StopIsSeenAndStartIsSeenAgain) {
   const std::int64_t id = objects.objects.front().id;
   turn(pair, 300, {0.0, 0.0, 0.0});
   for (; pair < 45; ++pair) run(pair);
-  EXPECT_EQ(count(ObjectState::kStopped), 1);
+  ASSERT_EQ(count(ObjectState::kStopped), 1);
+  const MovingObject& stopped = objects.objects.front();
+  EXPECT_EQ(stopped.speed_mps, 0.0);
+  EXPECT_LT(stopped.motion_probability, 0.1);
+  EXPECT_GE(stopped.points, 3);
+  const Eigen::Vector3d place_m = stopped.position_m;
+  for (; pair < 55; ++pair) run(pair);
+  ASSERT_EQ(count(ObjectState::kStopped), 1);
+  EXPECT_LT((objects.objects.front().position_m - place_m).norm(), 0.02) << "it stays there";
   turn(pair, 300, {0.5, 0.0, 0.0});
-  for (; pair < 60; ++pair) run(pair);
+  for (; pair < 70; ++pair) run(pair);
   ASSERT_EQ(moving(), 1);
   EXPECT_EQ(objects.objects.front().id, id);
 }
@@ -351,15 +360,7 @@ TEST_F(Filter, RejectedPairsShowWhatIsKnownPredicted) {
   world.add_box(40, {-0.5, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.5, 0.0, 0.0});
   for (int pair = 0; pair < 20; ++pair) run(pair);
   const MovingObject before = objects.objects.front();
-  TrackSet rejected;
-  rejected.camera = synthetic::kCamera;
-  rejected.sequence = 20;
-  rejected.exposure = world.exposure(20);
-  rejected.pair_status = PairStatus::kRejected;
-  rejected.status = TrackStatus::kNotRun;
-  Egomotion motion;
-  motion.status = EstimateStatus::kFailed;
-  detector.detect(rejected, motion, objects);
+  reject(20);
   EXPECT_TRUE(objects.has_run);
   ASSERT_EQ(count(ObjectState::kCoasting), 1);
   const MovingObject& now = objects.objects.front();
@@ -369,6 +370,26 @@ TEST_F(Filter, RejectedPairsShowWhatIsKnownPredicted) {
   run(21);
   ASSERT_EQ(moving(), 1);
   EXPECT_EQ(objects.objects.front().id, before.id);
+}
+
+TEST_F(Filter, WhatIsNotSeenAgainEndsAlsoWhilePairsAreRejected) {
+  rest_rig();
+  world.add_background(300);
+  world.add_box(40, {-0.5, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.5, 0.0, 0.0});
+  int pair = 0;
+  for (; pair < 20; ++pair) run(pair);
+  for (; pair < 20 + 59; ++pair) reject(pair);
+  ASSERT_EQ(count(ObjectState::kCoasting), 1);
+  for (; pair < 20 + 62; ++pair) reject(pair);
+  EXPECT_TRUE(objects.objects.empty());
+  // Its points belong to nobody then.
+  run(pair);
+  for (const PointMotion& point : objects.points) {
+    const bool known =
+        std::any_of(objects.objects.begin(), objects.objects.end(),
+                    [&](const auto& object) { return object.id == point.object_id; });
+    EXPECT_TRUE(point.object_id == 0 || known) << point.object_id;
+  }
 }
 
 TEST_F(Filter, RectangleOfWhatIsPredictedOutOfViewIsEmpty) {

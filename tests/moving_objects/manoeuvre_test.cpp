@@ -33,6 +33,21 @@ TEST(Manoeuvre, LeadsAVelocityThatGrowsAndOwnsUpToItsLag) {
   EXPECT_LT(covariance(0, 0), 0.2 * covariance(2, 2));
 }
 
+// Filters that follow a ramp of 0.9 m/s^2 stay some 0.13 m/s behind the mean of the last 0.15 s.
+TEST(Manoeuvre, LeadsWhatGoesOnToGrowByAllThatItIsBehind) {
+  Manoeuvre manoeuvre;
+  for (int k = 0; k < 60; ++k) manoeuvre.follow({0.0, 0.0, 0.03 * k}, k * 33ms);
+  EXPECT_NEAR(manoeuvre.steady_lead_mps().z(), 0.12, 0.02);
+}
+
+TEST(Manoeuvre, DoesNotLeadWhatSwings) {
+  Manoeuvre manoeuvre;
+  for (int k = 0; k < 60; ++k) {
+    manoeuvre.follow({0.0, 0.0, 0.4 * std::sin(1.2 * k)}, k * 33ms);
+    EXPECT_LT(manoeuvre.steady_lead_mps().norm(), k < 10 ? 0.4 : 0.02) << k;
+  }
+}
+
 TEST(Manoeuvre, CalmsDownAfterwards) {
   Manoeuvre manoeuvre;
   Nanoseconds now{0};

@@ -95,6 +95,7 @@ class EgomotionEstimator {
   void keep_velocity(const Egomotion& motion);
   void adapt_noise_scale();
   void note_common_error();
+  [[nodiscard]] Matrix6d unknown_motion() const;
   [[nodiscard]] VelocityState unknown_velocity() const;
   void watch_for_holes(const TrackSet& tracks);
 

@@ -47,8 +47,8 @@ class LastingError {
 class ScaleDoubt {
  public:
   void clear() { lasting_.clear(); }
-  // Returns what the pose's covariance grows by, and keeps the rest. `scratch`: for the
-  // disparities.
+  // Returns what the covariance of the new pose grows by, in its frame, and keeps the rest.
+  // `scratch`: for the disparities.
   [[nodiscard]] Matrix6d note(const TrackSet& tracks, std::span<const Correspondence> seen,
                               const Eigen::Isometry3d& T_previous_current, double dt_s,
                               std::vector<double>& scratch);

@@ -75,6 +75,10 @@ class RivalFinder {
                           std::span<const TrackRole> roles, std::span<const MapPoint> map,
                           double noise_scale, const VelocityPrior& prior, Rival& rival);
 
+  // After a pair that failed: no motion can be told then, and one that was there has not gone away.
+  // `other`: how it goes on for `dt_s`.
+  [[nodiscard]] bool goes_on(const Solution& estimate, double dt_s, Solution& other) const;
+
   // Whether another motion came near in the last pair.
   [[nodiscard]] bool is_in_doubt() const { return found_; }
 

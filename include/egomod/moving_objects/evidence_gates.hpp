@@ -13,7 +13,7 @@ inline constexpr double kMovingChi2 = 11.34;    // 99 %, 3 dof: its velocity aga
 // The evidence of `count` points together, whose errors correlate by `error_correlation`.
 [[nodiscard]] inline double group_evidence(double sum, std::size_t count,
                                            double error_correlation) {
-  return sum / (1.0 + error_correlation * (static_cast<double>(count) - 1.0));
+  return sum / (1.0 + error_correlation * std::max(0.0, static_cast<double>(count) - 1.0));
 }
 
 // The leaky sum over pairs that confirms an object, with one pair's evidence added.
