@@ -6,12 +6,11 @@
 
 #include "egomod/core/geometry.hpp"
 #include "egomod/core/pair_rate.hpp"
+#include "egomod/moving_objects/evidence_gates.hpp"
 
 namespace egomod {
 namespace {
 
-constexpr double kMovingEvidence = 2.0;
-constexpr double kMovingChi2 = 11.34;    // 99 %, 3 dof: its velocity against rest
 constexpr double kMostMisfit = 8.0;      // of a point that may speak for motion
 constexpr double kLeastUpdates = 3;      // the first two of them fix position and velocity
 constexpr double kOneInterval = 2;       // updates
@@ -300,7 +299,9 @@ void FilterMethod::report_points(const TrackSet& tracks, std::vector<PointMotion
                       .object_id = objects_.owner(point.track),
                       .position_m = point.position_m,
                       .velocity_mps = point.velocity_mps,
-                      .motion_probability = static_cast<float>(point.motion_probability)});
+                      .motion_probability = static_cast<float>(point.motion_probability),
+                      .evidence = static_cast<float>(point.evidence),
+                      .chi2 = static_cast<float>(point.chi2)});
   }
 }
 

@@ -131,7 +131,9 @@ void LagMethod::report_points(const TrackSet& tracks, std::vector<PointMotion>& 
                       .object_id = objects_.owner(point.track),
                       .position_m = point.position_m,
                       .velocity_mps = point.velocity_mps,
-                      .motion_probability = static_cast<float>(point.motion_probability)});
+                      .motion_probability = static_cast<float>(point.motion_probability),
+                      .evidence = static_cast<float>(point.evidence),
+                      .chi2 = static_cast<float>(point.chi2)});
   }
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "egomod/core/geometry.hpp"
+#include "egomod/moving_objects/evidence_gates.hpp"
 
 namespace egomod {
 namespace {
@@ -124,7 +125,7 @@ double velocity_chi2(const PointSample& point, const Eigen::Vector3d& velocity_m
 double joint_evidence(std::span<const PointSample> points, Members members, double correlation) {
   double sum = 0.0;
   for (const auto i : members) sum += points[i].evidence;
-  return sum / (1.0 + correlation * std::max(0.0, static_cast<double>(members.size()) - 1.0));
+  return group_evidence(sum, members.size(), correlation);
 }
 
 LineMotion line_motion(const StereoCamera& camera, std::span<const PointSample> points,

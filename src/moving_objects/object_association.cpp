@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "egomod/moving_objects/evidence_gates.hpp"
 #include "moving_objects/object_table.hpp"
 
 namespace egomod {
@@ -13,9 +14,7 @@ constexpr double kReclaimDistance_m = 0.5;  // an object without tracks is found
 constexpr double kReclaimDrift_mps = 0.3;   // growing with the time that it was unseen,
 constexpr double kReclaimSpeed_mps = 0.3;   // at a velocity this similar
 constexpr double kReclaimSpeedShare = 0.1;
-constexpr double kLeapPurity = 0.8;      // of what opens an object over a long interval
-constexpr double kEvidenceMemory = 0.9;  // of one pair
-constexpr double kMostEvidencePerPair = 40.0;
+constexpr double kLeapPurity = 0.8;  // of what opens an object over a long interval
 constexpr std::size_t kLimbRatio = 2;
 constexpr double kLimbWidth_m = 0.3;
 constexpr double kLimbSwing_m = 0.55;  // beside the trunk
@@ -145,8 +144,7 @@ void ObjectTable::take_group(const MotionGroup& group, Tracked& tracked) {
   tracked.group = group.count;
   tracked.body = group.body;
   tracked.box = {group.centre_m, group.size_m};
-  tracked.evidence =
-      kEvidenceMemory * tracked.evidence + std::clamp(group.evidence, 0.0, kMostEvidencePerPair);
+  tracked.evidence = add_evidence(tracked.evidence, group.evidence);
   tracked.object.velocity_mps = group.velocity_mps;
   tracked.object.velocity_covariance_m2ps2 = group.velocity_covariance_m2ps2;
 }

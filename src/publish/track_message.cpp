@@ -78,6 +78,7 @@ void fill_rest(const MovingObject& object, object_t& message) {
 
 bool is_finite(const track_t& message) {
   return std::isfinite(message.u) && std::isfinite(message.v) && std::isfinite(message.disparity) &&
+         std::isfinite(message.evidence) && std::isfinite(message.chi2) &&
          std::all_of(std::begin(message.vel), std::end(message.vel),
                      [](float x) { return std::isfinite(x); });
 }
@@ -88,6 +89,8 @@ void fill_motion(const PointMotion& motion, const Eigen::Matrix3d& R_body_camera
   message.object_id = motion.object_id;
   if (motion.state != PointState::kUnknown)
     Eigen::Vector3f::Map(message.vel) = (R_body_camera * motion.velocity_mps).cast<float>();
+  message.evidence = motion.evidence;
+  message.chi2 = motion.chi2;
 }
 
 track_t track_message(const Track& track, TrackRole role) {

@@ -88,7 +88,11 @@ inline Frame some_frame(std::uint64_t sequence) {
   frame.tracks.tracks[1].id = 4;
   frame.tracks.tracks[1].has_current = true;
   motion.roles = {TrackRole::kInlier, TrackRole::kOutlier};
-  frame.objects.points = {{.track_id = 4, .state = PointState::kMoving, .object_id = 7}};
+  frame.objects.points = {{.track_id = 4,
+                           .state = PointState::kMoving,
+                           .object_id = 7,
+                           .evidence = 9.5F,
+                           .chi2 = 40.25F}};
   return frame;
 }
 

@@ -168,6 +168,8 @@ TEST(TrackMessage, JoinsTracksWithTheirRoleAndMotion) {
   EXPECT_EQ(list.tracks[0].state, track_t::STATE_UNKNOWN);
   EXPECT_EQ(list.tracks[1].state, track_t::STATE_MOVING);
   EXPECT_EQ(list.tracks[1].object_id, 7);
+  EXPECT_EQ(list.tracks[1].evidence, 9.5F);
+  EXPECT_EQ(list.tracks[1].chi2, 40.25F);
 }
 
 TEST(Messages, KeepEverythingThroughEncodingAndDecoding) {

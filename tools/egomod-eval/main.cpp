@@ -10,6 +10,7 @@
 
 #include "evaluation.hpp"
 #include "figure_tables.hpp"
+#include "finite_number.hpp"
 #include "html.hpp"
 #include "json.hpp"
 #include "result_file.hpp"
@@ -60,18 +61,22 @@ void add_options(CLI::App& app, Options& o) {
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   app.add_option("--max-depth", o.detection.max_depth_m, "objects: due up to this depth, m")
+      ->check(finite_number())
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--min-px", o.detection.min_px, "objects: due from this many visible pixels on")
+      ->check(finite_number())
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--grace", o.detection.grace_s,
                  "objects: due this many seconds after they qualify")
+      ->check(finite_number())
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option(
          "--v90", o.detection.v90_factor,
          "objects: due from this many times the speed that can show within 1 s; 0: any mover")
+      ->check(finite_number())
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
 }

@@ -15,10 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Stereo places a point at 10 m to about this share of its depth.
-constexpr double kDepthSlackShare = 0.05;
-constexpr double kDepthSlack_m = 0.15;
-
 struct Size {
   int width_px;
   int height_px;
@@ -40,7 +36,7 @@ Size read_png(const fs::path& file, png_uint_32 format, std::vector<Pixel>& pixe
 }
 
 bool is_near(double depth_m, double truth_m) {
-  return std::abs(depth_m - truth_m) <= kDepthSlack_m + kDepthSlackShare * truth_m;
+  return std::abs(depth_m - truth_m) <= depth_slack_m(truth_m);
 }
 
 }  // namespace

@@ -2,54 +2,13 @@
 #include "points.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <string>
 
-#include "pixel_truth.hpp"
+#include "point_truth.hpp"
 
 namespace egomod::eval {
 namespace {
 
-// Stereo places a point at 10 m to about this share of its depth.
-constexpr double kDepthSlackShare = 0.05;
-constexpr double kDepthSlack_m = 0.15;
 constexpr std::size_t kCurvePoints = 400;
-
-// An object reaches as far behind its centre as its visible surface lies before it.
-bool at_depth_of(const TruthObject& object, double depth_m) {
-  const double reach_m = std::abs(object.centre_m.z() - object.surface_m.z());
-  const double slack_m = kDepthSlack_m + kDepthSlackShare * object.surface_m.z();
-  return depth_m >= std::min(object.surface_m.z(), object.centre_m.z() - reach_m) - slack_m &&
-         depth_m <= object.centre_m.z() + reach_m + slack_m;
-}
-
-// By the object that the point's pixel shows; nothing at the edges of objects.
-std::optional<bool> moves(const Truth& truth, const PointEvidence& point, PixelTruth& pixels) {
-  const auto owner = pixels.object_at(point);
-  if (!owner) return std::nullopt;
-  const auto objects = truth.objects->find(point.frame);
-  if (*owner == 0 || objects == truth.objects->end()) return false;
-  return std::any_of(objects->second.begin(), objects->second.end(),
-                     [&](const TruthObject& object) {
-                       return object.moving && object.id == std::to_string(*owner);
-                     });
-}
-
-// By rectangles and depth; nothing where they leave it open.
-std::optional<bool> moves(const Truth& truth, const PointEvidence& point) {
-  const auto objects = truth.objects->find(point.frame);
-  if (objects == truth.objects->end()) return false;
-  bool open = false;
-  for (const TruthObject& object : objects->second) {
-    if (!object.moving || object.visible_px <= 0 ||
-        !object.rectangle.contains(point.u_px, point.v_px)) {
-      continue;
-    }
-    if (at_depth_of(object, point.depth_m)) return true;
-    open = true;
-  }
-  return open ? std::nullopt : std::optional(false);
-}
 
 struct Labelled {
   double speed_mps;
@@ -87,11 +46,11 @@ void sweep(std::vector<Labelled> points, PointFigures& figures) {
 PointFigures score_points(const Truth& truth, const std::vector<PointEvidence>& points,
                           int first_frame) {
   PointFigures figures;
-  std::optional<PixelTruth> pixels = PixelTruth::open(truth.folder);
+  PointTruth on(truth);
   std::vector<Labelled> labelled;
   for (const PointEvidence& point : points) {
     if (point.frame < first_frame || point.frame >= truth.frames()) continue;
-    const auto moving = pixels ? moves(truth, point, *pixels) : moves(truth, point);
+    const auto moving = on.moves(point);
     if (!moving) {
       ++figures.left_out;
       continue;
