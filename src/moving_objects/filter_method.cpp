@@ -285,8 +285,11 @@ void FilterMethod::recall(const StereoCamera& camera, FilterSlot at, PointSample
   point.recent = &recent;
 }
 
+// What no object bears out must show more.
 PointState FilterMethod::state_of(const PointSample& point) const {
-  if (point.moves) return PointState::kMoving;
+  if (point.moves)
+    return objects_.owner(point.track) != 0 || point.chi2 > kMovingAloneChi2 ? PointState::kMoving
+                                                                             : PointState::kUnknown;
   const double widest = point.velocity_covariance_m2ps2.diagonal().maxCoeff();
   if (widest > kUnobservable_mps * kUnobservable_mps) return PointState::kUnobservable;
   return point.stands ? PointState::kStatic : PointState::kUnknown;

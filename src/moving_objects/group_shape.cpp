@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "egomod/core/geometry.hpp"
 
 namespace egomod {
 namespace {
+
+constexpr std::size_t kLeastToStray = 4;  // points: among fewer none is alone
 
 struct Extremes {
   Eigen::Vector3d low_m;
@@ -34,6 +37,29 @@ PixelRect rectangle_of(std::span<const PointSample> points, Members members) {
   }
   return {static_cast<float>(low.x()), static_cast<float>(low.y()), static_cast<float>(high.x()),
           static_cast<float>(high.y())};
+}
+
+std::size_t stray_of(std::span<const PointSample> points, Members members, double least_px) {
+  if (members.size() < kLeastToStray) return members.size();
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  std::size_t leftmost = 0;
+  std::size_t rightmost = 0;
+  double left_px[2] = {kNone, kNone};  // and the next
+  double right_px[2] = {-kNone, -kNone};
+  for (std::size_t k = 0; k < members.size(); ++k) {
+    const double u_px = points[members[k]].pixel_px.x();
+    if (u_px < left_px[0]) leftmost = k;
+    left_px[1] = std::min(left_px[1], std::max(left_px[0], u_px));
+    left_px[0] = std::min(left_px[0], u_px);
+    if (u_px > right_px[0]) rightmost = k;
+    right_px[1] = std::max(right_px[1], std::min(right_px[0], u_px));
+    right_px[0] = std::max(right_px[0], u_px);
+  }
+  const double on_left_px = left_px[1] - left_px[0];
+  const double on_right_px = right_px[0] - right_px[1];
+  if (on_left_px > std::max(least_px, right_px[0] - left_px[1])) return leftmost;
+  if (on_right_px > std::max(least_px, right_px[1] - left_px[0])) return rightmost;
+  return members.size();
 }
 
 Eigen::Vector3d mean_position(std::span<const PointSample> points, Members members) {

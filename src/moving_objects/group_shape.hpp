@@ -16,6 +16,10 @@ using Members = std::span<const Grouper::Index>;  // into a vector of PointSampl
 
 // The rectangle of the extreme coordinates (thesis, section IV-C).
 [[nodiscard]] PixelRect rectangle_of(std::span<const PointSample> points, Members members);
+// The one member that is beside all the others by more than they are wide and `least_px`, by its
+// place in `members`; their number where there is none.
+[[nodiscard]] std::size_t stray_of(std::span<const PointSample> points, Members members,
+                                   double least_px);
 [[nodiscard]] Eigen::Vector3d mean_position(std::span<const PointSample> points, Members members);
 [[nodiscard]] Eigen::Vector3d mean_velocity(std::span<const PointSample> points, Members members);
 [[nodiscard]] Eigen::Vector3d centre_of(std::span<const PointSample> points, Members members);

@@ -29,8 +29,9 @@ constexpr double kLimbSpan_m = 0.4;  // beside the trunk
 constexpr double kLimbDepth_m = 0.5;
 // Of a person, whose legs are found without the trunk's velocity.
 constexpr double kWidestTrunk_m = 1.0;
-constexpr double kLegSpan_m = 0.25;  // beside the trunk
-constexpr double kTallest_m = 1.9;   // with its legs
+constexpr double kLegSpan_m = 0.25;   // beside the trunk
+constexpr double kTallest_m = 1.9;    // with its legs
+constexpr double kStraySpan_m = 0.7;  // nothing of a person is alone so far beside the rest
 constexpr double kHeadHeight_m = 0.35;
 constexpr double kDeepestTrunk_m = 0.5;
 // Error of a surface's centre by its size, however many points show it.
@@ -328,6 +329,16 @@ Members ObjectTable::outline_of(std::span<const PointSample> points, Members see
   return outline_.size() < members_.size() + kLeastPoints ? Members(members_) : Members(outline_);
 }
 
+// One wrong point beside it would stretch a rectangle over what is next to it.
+Members ObjectTable::without_stray(const StereoCamera& camera, std::span<const PointSample> points,
+                                   Members outline, double depth_m) {
+  const std::size_t stray = stray_of(points, outline, kStraySpan_m * camera.fx_px / depth_m);
+  if (stray == outline.size()) return outline;
+  if (outline.data() != outline_.data()) outline_.assign(outline.begin(), outline.end());
+  outline_.erase(outline_.begin() + static_cast<std::ptrdiff_t>(stray));
+  return outline_;
+}
+
 void ObjectTable::measure(const StereoCamera& camera, std::span<const PointSample> points,
                           Tracked& tracked) {
   const Members seen = seen_by_both(points);
@@ -341,14 +352,14 @@ void ObjectTable::measure(const StereoCamera& camera, std::span<const PointSampl
 void ObjectTable::measure_place(const StereoCamera& camera, std::span<const PointSample> points,
                                 Members seen, Tracked& tracked) {
   MovingObject& object = tracked.object;
-  const Members outline = outline_of(points, seen, tracked);
+  // Features sit where the texture is: the ray through the rectangle's centre at their depth is
+  // nearer to the centre of the visible surface than their mean.
+  const double z_m = seen.empty() ? object.position_m.z() : mean_position(points, seen).z();
+  const Members outline = without_stray(camera, points, outline_of(points, seen, tracked), z_m);
   object.rectangle = rectangle_of(points, outline);
   tracked.own_rectangle = rectangle_of(points, members_);
   object.extent_m = extent_of(points, outline);
   object.points = static_cast<int>(members_.size());
-  // Features sit where the texture is: the ray through the rectangle's centre at their depth is
-  // nearer to the centre of the visible surface than their mean.
-  const double z_m = seen.empty() ? object.position_m.z() : mean_position(points, seen).z();
   const PixelRect& r = object.rectangle;
   object.position_m = {(0.5 * (r.u_min_px + r.u_max_px) - camera.cx_px) / camera.fx_px * z_m,
                        (0.5 * (r.v_min_px + r.v_max_px) - camera.cy_px) / camera.fy_px * z_m, z_m};

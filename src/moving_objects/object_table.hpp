@@ -115,6 +115,9 @@ class ObjectTable {
                      Tracked& tracked);
   [[nodiscard]] Members outline_of(std::span<const PointSample> points, Members seen,
                                    const Tracked& tracked);
+  [[nodiscard]] Members without_stray(const StereoCamera& camera,
+                                      std::span<const PointSample> points, Members outline,
+                                      double depth_m);
   [[nodiscard]] Members seen_by_both(std::span<const PointSample> points);
   [[nodiscard]] Members trunk_of(std::span<const PointSample> points, Members members,
                                  const Tracked& tracked);

@@ -7,8 +7,9 @@
 namespace egomod {
 
 // What the method filter decides by, beside MovingObjectsConfig: a point moves above both.
-inline constexpr double kMovingEvidence = 2.0;  // log likelihood ratio, moving over static
-inline constexpr double kMovingChi2 = 11.34;    // 99 %, 3 dof: its velocity against rest
+inline constexpr double kMovingEvidence = 2.0;    // log likelihood ratio, moving over static
+inline constexpr double kMovingChi2 = 11.34;      // 99 %, 3 dof: its velocity against rest
+inline constexpr double kMovingAloneChi2 = 50.0;  // of no object: told as moving only then
 
 // The evidence of `count` points together, whose errors correlate by `error_correlation`.
 [[nodiscard]] inline double group_evidence(double sum, std::size_t count,
