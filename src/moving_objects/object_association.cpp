@@ -19,6 +19,9 @@ constexpr std::size_t kLimbRatio = 2;
 constexpr double kLimbWidth_m = 0.3;
 constexpr double kLimbSwing_m = 0.55;  // beside the trunk
 constexpr double kLimbMemory_s = 0.3;
+constexpr double kVelocityMemory_s = 0.4;  // about half a step
+constexpr double kLeap_mps = 0.5;
+constexpr double kLeapShare = 0.4;
 constexpr double kLimbReach_m = 0.3;  // from the rectangle
 constexpr float kUpright = 3.0F;      // of that, up and down
 
@@ -139,12 +142,21 @@ void ObjectTable::associate(const StereoCamera& camera, std::span<const PointSam
   }
 }
 
+// Whose velocity was known a moment ago does not leap: an arm or a leg does.
+bool ObjectTable::is_of_limb(const MotionGroup& group, const Tracked& tracked) const {
+  const double leap_mps = (group.velocity_mps - tracked.object.velocity_mps).norm();
+  return tracked.swings && tracked.confirmed &&
+         to_seconds(now_ - tracked.last_velocity) < kVelocityMemory_s &&
+         leap_mps > std::max(kLeap_mps, kLeapShare * tracked.object.speed_mps);
+}
+
 void ObjectTable::take_group(const MotionGroup& group, Tracked& tracked) {
   tracked.evident = true;
   tracked.group = group.count;
   tracked.body = group.body;
   tracked.box = {group.centre_m, group.size_m};
   tracked.evidence = add_evidence(tracked.evidence, group.evidence);
+  if (is_of_limb(group, tracked)) return;
   tracked.object.velocity_mps = group.velocity_mps;
   tracked.object.velocity_covariance_m2ps2 = group.velocity_covariance_m2ps2;
 }

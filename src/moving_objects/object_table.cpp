@@ -399,6 +399,7 @@ void ObjectTable::measure_motion(std::span<const PointSample> points, Members me
     tracked.latest.covariance_m2ps2 += scatter_about(points, members, object.velocity_mps);
     return;
   }
+  tracked.last_velocity = now_;
   const BodyMotion body =
       fit_body_motion(points, trunk, object.position_m, config_.error_correlation);
   Manoeuvre& manoeuvre = tracked.manoeuvre;

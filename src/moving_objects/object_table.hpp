@@ -73,9 +73,10 @@ class ObjectTable {
     Manoeuvre manoeuvre;
     Nanoseconds first{0};
     Nanoseconds last_evidence{0};
-    int pairs = 0;          // with evidence
-    double evidence = 0.0;  // of its groups, leaky
-    bool evident = false;   // a group of this pair is its own
+    Nanoseconds last_velocity{0};  // when points had it
+    int pairs = 0;                 // with evidence
+    double evidence = 0.0;         // of its groups, leaky
+    bool evident = false;          // a group of this pair is its own
     bool confirmed = false;
     bool swings = false;    // it was known by its limbs first
     bool by_limbs = false;  // and in this pair by them only
@@ -105,6 +106,7 @@ class ObjectTable {
   [[nodiscard]] static bool hangs_on(const Eigen::Vector3d& position_m, const Box& trunk,
                                      double beside_reach_m);
   [[nodiscard]] bool is_limb(const MotionGroup& group) const;
+  [[nodiscard]] bool is_of_limb(const MotionGroup& group, const Tracked& tracked) const;
   void take_group(const MotionGroup& group, Tracked& tracked);
   void adopt_limbs(const StereoCamera& camera, std::span<const PointSample> points,
                    Tracked& tracked);

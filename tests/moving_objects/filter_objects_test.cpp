@@ -288,6 +288,28 @@ TEST_F(Filter, ArmBesideItsTrunkIsNoObject) {
   EXPECT_EQ(moving(), 1);
 }
 
+// Trunk and legs, which swing; then the trunk is hidden, and the legs' velocities are not its own.
+TEST_F(Filter, VelocityOfAWalkerDoesNotLeapToThatOfALeg) {
+  rest_rig();
+  world.add_background(300);
+  world.add_box(4, {-2.0, 0.0, 5.0}, {0.3, 0.5, 0.2}, {1.2, 0.0, 0.0});
+  world.add_box(4, {-2.0, 0.7, 5.0}, {0.3, 0.6, 0.2}, {0.2, 0.0, 0.0});
+  int pair = 0;
+  for (; pair < 42; ++pair) {
+    if (pair % 6 == 3) turn(pair - 1, 304, {pair % 12 == 3 ? 2.2 : 0.2, 0.0, 0.0});
+    run(pair);
+  }
+  ASSERT_EQ(moving(), 1);
+  EXPECT_NEAR(objects.objects.front().velocity_mps.x(), 1.2, 0.3);
+  for (std::size_t i = 300; i < 304; ++i) world.points[i].at_start_m.y() += 50.0;
+  turn(pair - 1, 304, {3.0, 0.0, 0.0});
+  for (; pair < 48; ++pair) {
+    run(pair);
+    ASSERT_FALSE(objects.objects.empty());
+    EXPECT_NEAR(objects.objects.front().velocity_mps.x(), 1.2, 0.5) << pair;
+  }
+}
+
 // It takes longer, but a point that surely moves is told without an object.
 TEST_F(Filter, PointOfNoObjectIsToldAsMovingOnlyIfItSurelyDoes) {
   rest_rig();
