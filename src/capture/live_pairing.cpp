@@ -9,6 +9,8 @@ namespace egomod {
 namespace {
 
 constexpr Nanoseconds kReordering = std::chrono::seconds(1);
+// At any rate of pictures.
+constexpr Nanoseconds kSurelyTogether = std::chrono::milliseconds(2);
 
 }  // namespace
 
@@ -46,6 +48,7 @@ std::optional<std::size_t> LivePairing::add_left(Entry entry) {
 void LivePairing::step_back(Nanoseconds exposure) {
   has_stepped_back_ = true;
   last_left_.reset();
+  last_right_.reset();
   for (Queue* queue : {&left_, &right_}) {
     while (queue->count > 0 && queue->entries[queue->count - 1].exposure > exposure + kReordering &&
            stale_count_ < stale_.size()) {
@@ -54,7 +57,12 @@ void LivePairing::step_back(Nanoseconds exposure) {
   }
 }
 
-std::optional<std::size_t> LivePairing::add_right(Entry entry) { return right_.insert(entry); }
+std::optional<std::size_t> LivePairing::add_right(Entry entry) {
+  if (last_right_ && entry.exposure > *last_right_ + kSurelyTogether)
+    right_interval_.add(entry.exposure - *last_right_);
+  last_right_ = std::max(entry.exposure, last_right_.value_or(entry.exposure));
+  return right_.insert(entry);
+}
 
 std::optional<std::size_t> LivePairing::nearest_right(Nanoseconds exposure) const {
   std::optional<std::size_t> best;
@@ -82,20 +90,39 @@ void LivePairing::note_gap(Decision& decision) {
   last_left_ = exposure;
 }
 
+Nanoseconds LivePairing::Queue::smallest_gap() const {
+  Nanoseconds smallest = Nanoseconds::max();
+  for (std::size_t i = 1; i < count; ++i)
+    smallest = std::min(smallest, entries[i].exposure - entries[i - 1].exposure);
+  return smallest;
+}
+
+// The shorter one of the two cameras, since loss makes it longer only; at first by the images that
+// wait.
+std::optional<Nanoseconds> LivePairing::interval() const {
+  const Nanoseconds right = right_interval_.typical().value_or(Nanoseconds::max());
+  if (const auto left = interval_.typical()) return std::min(*left, right);
+  Nanoseconds gap = std::min(left_.smallest_gap(), right);
+  if (last_left_) gap = std::min(gap, left_.entries[0].exposure - *last_left_);
+  return gap == Nanoseconds::max() ? std::nullopt : std::optional(gap);
+}
+
 std::optional<LivePairing::Decision> LivePairing::decide() {
   if (left_.count == 0) return std::nullopt;
   const Nanoseconds exposure = left_.entries[0].exposure;
   const auto nearest = nearest_right(exposure);
-  const auto interval = interval_.median();
+  const auto interval = this->interval();
   const Nanoseconds half = interval ? *interval / 2 : kUnknownIntervalLimit;
   const Nanoseconds limit = max_skew_s_ > 0.0 ? Nanoseconds(std::llround(max_skew_s_ * 1e9)) : half;
   const bool has_passed = right_.count > 0 && right_.entries[right_.count - 1].exposure >= exposure;
   const Nanoseconds skew =
       nearest ? Nanoseconds(std::chrono::abs(right_.entries[*nearest].exposure - exposure))
               : Nanoseconds::max();
-  const bool is_near = nearest && interval && skew <= std::min(limit, half);
+  const bool is_near = nearest && interval_.median() && skew <= std::min(limit, half);
   const bool waits = !has_ended_ && left_.count < kMaxWaiting;
   if (!is_near && !has_passed && waits) return std::nullopt;
+  // Of the first pair one image may be late, and the next one of its camera no partner.
+  if (!interval && skew > kSurelyTogether && waits) return std::nullopt;
   Decision decision;
   decision.left = left_.take(0);
   if (nearest) decision.nearest_right = right_.entries[*nearest].exposure;

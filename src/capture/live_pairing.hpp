@@ -54,11 +54,13 @@ class LivePairing {
     static constexpr std::size_t kCapacity = 8;
     [[nodiscard]] std::optional<std::size_t> insert(Entry entry);
     [[nodiscard]] Entry take(std::size_t index);
+    [[nodiscard]] Nanoseconds smallest_gap() const;  // max() where there is none
     std::array<Entry, kCapacity> entries{};
     std::size_t count = 0;
   };
 
   [[nodiscard]] std::optional<std::size_t> nearest_right(Nanoseconds exposure) const;
+  [[nodiscard]] std::optional<Nanoseconds> interval() const;  // while a left image waits
   void note_gap(Decision& decision);
   void step_back(Nanoseconds exposure);
 
@@ -68,7 +70,9 @@ class LivePairing {
   std::array<std::size_t, 2 * Queue::kCapacity> stale_{};
   std::size_t stale_count_ = 0;
   IntervalMeter interval_;
+  IntervalMeter right_interval_;
   std::optional<Nanoseconds> last_left_;
+  std::optional<Nanoseconds> last_right_;
   bool has_stepped_back_ = false;
   bool has_ended_ = false;
 };

@@ -64,6 +64,12 @@ std::optional<Nanoseconds> IntervalMeter::median() const {
   return median_of(sorted, std::min(count_, kWindow));
 }
 
+std::optional<Nanoseconds> IntervalMeter::typical() const {
+  if (count_ == 0 || count_ > kFew) return median();
+  return *std::min_element(intervals_.begin(),
+                           intervals_.begin() + static_cast<std::ptrdiff_t>(count_));
+}
+
 RateLimiter::RateLimiter(double max_rate_hz)
     : period_(max_rate_hz > 0.0 ? std::llround(1e9 / max_rate_hz) : 0) {}
 

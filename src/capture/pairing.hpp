@@ -38,9 +38,12 @@ class IntervalMeter {
  public:
   void add(Nanoseconds interval);
   [[nodiscard]] std::optional<Nanoseconds> median() const;
+  // As the median, but of the first few the smallest: what is lost or late makes them longer only.
+  [[nodiscard]] std::optional<Nanoseconds> typical() const;
 
  private:
   static constexpr std::size_t kWindow = 15;
+  static constexpr std::size_t kFew = 4;
   std::array<Nanoseconds, kWindow> intervals_{};
   std::size_t count_ = 0;
 };

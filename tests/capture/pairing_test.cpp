@@ -51,6 +51,55 @@ TEST(LivePairing, DecidesOnWhatWaitsWhenNothingMoreComes) {
   EXPECT_FALSE(pairing.decide());
 }
 
+TEST(LivePairing, TakesNoNextRightImageForTheFirstOneThatIsLate) {
+  LivePairing pairing(0.0);
+  EXPECT_FALSE(pairing.add_left({0ms, 0}));
+  EXPECT_FALSE(pairing.add_right({33ms, 1}));
+  EXPECT_FALSE(pairing.decide()) << "nothing tells yet how far apart images are";
+  EXPECT_FALSE(pairing.add_left({33ms, 2}));
+  EXPECT_FALSE(pairing.decide()->is_accepted);
+  const auto second = pairing.decide();
+  ASSERT_TRUE(second && second->is_accepted);
+  EXPECT_EQ(second->right->slot, 1U);
+}
+
+// Every second left image and every fifth right one is lost: the left ones come 67 ms apart.
+TEST(LivePairing, TakesNoImageOfTheFrameBeforeWhileManyAreLost) {
+  LivePairing pairing(0.0);
+  for (std::size_t k = 0; k < 20; ++k) {
+    const Nanoseconds exposure = static_cast<int>(k) * 33ms;
+    if (k % 2 == 0) {
+      EXPECT_FALSE(pairing.add_left({exposure, 0}));
+    }
+    if (k % 5 != 4) {
+      EXPECT_FALSE(pairing.add_right({exposure, 0}));
+    }
+    while (const auto decision = pairing.decide()) {
+      if (decision->is_accepted) {
+        EXPECT_EQ(decision->right->exposure, decision->left.exposure);
+      }
+    }
+    while (pairing.take_stale()) {
+    }
+  }
+}
+
+TEST(LivePairing, PairsTheFirstImagesOfCamerasThatRunFreelyAtALowRate) {
+  LivePairing pairing(0.0);
+  EXPECT_FALSE(pairing.add_left({0ms, 0}));
+  EXPECT_FALSE(pairing.add_right({80ms, 1}));
+  EXPECT_FALSE(pairing.decide());
+  EXPECT_FALSE(pairing.add_left({200ms, 2}));
+  EXPECT_TRUE(pairing.decide()->is_accepted);
+}
+
+TEST(LivePairing, PairsTheFirstImagesAtOnceThatAreExposedTogether) {
+  LivePairing pairing(0.0);
+  EXPECT_FALSE(pairing.add_left({0ms, 0}));
+  EXPECT_FALSE(pairing.add_right({1ms, 1}));
+  EXPECT_TRUE(pairing.decide()->is_accepted);
+}
+
 std::vector<int> kept(double max_rate_hz, const std::vector<Nanoseconds>& times) {
   RateLimiter limiter(max_rate_hz);
   std::vector<int> indices;
