@@ -71,16 +71,17 @@ TEST_F(Scripts, that_are_called_wrongly_exit_with_2) {
 TEST_F(Scripts, in_python_that_are_called_wrongly_exit_with_2) {
   if (run({"measure-accuracy", "--help"}).exit_code == 127) GTEST_SKIP() << "no python3";
   const std::vector<std::vector<std::string>> commands{
-      {"measure-accuracy", "--samples", "0"},       {"measure-accuracy", "--speed", "0"},
-      {"measure-accuracy", "--speed", "nan"},       {"measure-accuracy", "--depths", "-1"},
-      {"measure-accuracy", "--rigs", "30x0"},       {"measure-speed-limits", "--samples", "0"},
-      {"measure-speed-limits", "--rig-speed", "-1"}};
+      {"measure-accuracy", "--samples", "0"},        {"measure-accuracy", "--speed", "0"},
+      {"measure-accuracy", "--speed", "nan"},        {"measure-accuracy", "--depths", "-1"},
+      {"measure-accuracy", "--rigs", "30x0"},        {"measure-speed-limits", "--samples", "0"},
+      {"measure-speed-limits", "--rig-speed", "-1"}, {"measure-movers", "--seeds", "0"},
+      {"measure-movers", "--shares", "0.9"},         {"measure-movers", "--kinds", "jumps"}};
   for (const auto& command : commands) {
     const Outcome outcome = run(command);
     EXPECT_EQ(outcome.exit_code, kWrongUsage) << ::testing::PrintToString(command);
     EXPECT_THAT(outcome.output, HasSubstr("usage: ")) << ::testing::PrintToString(command);
   }
-  for (const char* script : {"measure-accuracy", "measure-speed-limits"}) {
+  for (const char* script : {"measure-accuracy", "measure-movers", "measure-speed-limits"}) {
     const Outcome outcome = run({script, "--programs", "/nonexistent"});
     EXPECT_EQ(outcome.exit_code, 1) << script;
     EXPECT_THAT(outcome.output, HasSubstr("/nonexistent/egomodd: is no program")) << script;
