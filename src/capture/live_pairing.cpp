@@ -9,8 +9,10 @@ namespace egomod {
 namespace {
 
 constexpr Nanoseconds kReordering = std::chrono::seconds(1);
-// At any rate of pictures.
+// At any rate of pictures: two of one camera are one that came twice.
 constexpr Nanoseconds kSurelyTogether = std::chrono::milliseconds(2);
+// A right image so far ahead of the left ones has a wrong time.
+constexpr Nanoseconds kFarAhead = std::chrono::minutes(1);
 
 }  // namespace
 
@@ -36,7 +38,15 @@ LivePairing::Entry LivePairing::Queue::take(std::size_t index) {
   return taken;
 }
 
+bool LivePairing::Queue::has(Nanoseconds exposure) const {
+  return std::any_of(entries.begin(), entries.begin() + static_cast<std::ptrdiff_t>(count),
+                     [&](const Entry& entry) {
+                       return std::chrono::abs(entry.exposure - exposure) < kSurelyTogether;
+                     });
+}
+
 std::optional<std::size_t> LivePairing::add_left(Entry entry) {
+  if (left_.has(entry.exposure)) return entry.slot;
   if (last_left_ && entry.exposure <= *last_left_) {
     if (entry.exposure > *last_left_ - kReordering) return entry.slot;
     step_back(entry.exposure);
@@ -58,6 +68,10 @@ void LivePairing::step_back(Nanoseconds exposure) {
 }
 
 std::optional<std::size_t> LivePairing::add_right(Entry entry) {
+  const auto newest_left =
+      left_.count > 0 ? std::optional(left_.entries[left_.count - 1].exposure) : last_left_;
+  if (right_.has(entry.exposure) || (newest_left && entry.exposure > *newest_left + kFarAhead))
+    return entry.slot;
   if (last_right_ && entry.exposure > *last_right_ + kSurelyTogether)
     right_interval_.add(entry.exposure - *last_right_);
   last_right_ = std::max(entry.exposure, last_right_.value_or(entry.exposure));
@@ -73,6 +87,18 @@ std::optional<std::size_t> LivePairing::nearest_right(Nanoseconds exposure) cons
   return best;
 }
 
+// Two breaks of the stream that are equally long are its new rate.
+void LivePairing::learn_gap(Nanoseconds gap, bool is_break) {
+  const bool is_rate =
+      is_break && last_break_ && 10 * std::chrono::abs(gap - *last_break_) < *last_break_;
+  last_break_ = is_break ? std::optional(gap) : std::nullopt;
+  if (is_rate) {
+    interval_ = {};
+    right_interval_ = {};
+  }
+  if (!is_break || is_rate) interval_.add(gap);
+}
+
 void LivePairing::note_gap(Decision& decision) {
   const Nanoseconds exposure = decision.left.exposure;
   const auto interval = interval_.median();
@@ -83,7 +109,7 @@ void LivePairing::note_gap(Decision& decision) {
       decision.lost = steps > 1 ? static_cast<std::uint64_t>(steps - 1) : 0;
       decision.discontinuity = gap > kHoleIntervals * *interval;
     }
-    if (!decision.discontinuity) interval_.add(gap);
+    learn_gap(gap, decision.discontinuity);
   }
   decision.discontinuity = decision.discontinuity || has_stepped_back_;
   has_stepped_back_ = false;
@@ -122,7 +148,7 @@ std::optional<LivePairing::Decision> LivePairing::decide() {
   const bool waits = !has_ended_ && left_.count < kMaxWaiting;
   if (!is_near && !has_passed && waits) return std::nullopt;
   // Of the first pair one image may be late, and the next one of its camera no partner.
-  if (!interval && skew > kSurelyTogether && waits) return std::nullopt;
+  if (!interval && skew > kSurelyTogether && max_skew_s_ <= 0.0 && waits) return std::nullopt;
   Decision decision;
   decision.left = left_.take(0);
   if (nearest) decision.nearest_right = right_.entries[*nearest].exposure;

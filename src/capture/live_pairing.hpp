@@ -36,8 +36,8 @@ class LivePairing {
   // 0: half a frame interval.
   explicit LivePairing(double max_skew_s) : max_skew_s_(max_skew_s) {}
 
-  // Adds an image; a slot that has to leave for it, or the image itself if it comes too late, is
-  // returned.
+  // Adds an image; a slot that has to leave for it, or the image itself if it comes too late, twice
+  // or with a wrong time, is returned.
   [[nodiscard]] std::optional<std::size_t> add_left(Entry entry);
   [[nodiscard]] std::optional<std::size_t> add_right(Entry entry);
 
@@ -54,6 +54,7 @@ class LivePairing {
     static constexpr std::size_t kCapacity = 8;
     [[nodiscard]] std::optional<std::size_t> insert(Entry entry);
     [[nodiscard]] Entry take(std::size_t index);
+    [[nodiscard]] bool has(Nanoseconds exposure) const;
     [[nodiscard]] Nanoseconds smallest_gap() const;  // max() where there is none
     std::array<Entry, kCapacity> entries{};
     std::size_t count = 0;
@@ -61,6 +62,7 @@ class LivePairing {
 
   [[nodiscard]] std::optional<std::size_t> nearest_right(Nanoseconds exposure) const;
   [[nodiscard]] std::optional<Nanoseconds> interval() const;  // while a left image waits
+  void learn_gap(Nanoseconds gap, bool is_break);
   void note_gap(Decision& decision);
   void step_back(Nanoseconds exposure);
 
@@ -73,6 +75,7 @@ class LivePairing {
   IntervalMeter right_interval_;
   std::optional<Nanoseconds> last_left_;
   std::optional<Nanoseconds> last_right_;
+  std::optional<Nanoseconds> last_break_;
   bool has_stepped_back_ = false;
   bool has_ended_ = false;
 };

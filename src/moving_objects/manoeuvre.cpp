@@ -34,6 +34,7 @@ void Manoeuvre::follow(const Eigen::Vector3d& velocity_mps, Nanoseconds now,
     begun_ = now;
     start_ = start;
     slow_mps_ = velocity_mps;
+    trend_mps_.setZero();
   }
   slow_mps_ -= std::expm1(-elapsed_s / kMemory_s) * (velocity_mps - slow_mps_);
   change_mps_ = velocity_mps - slow_mps_;

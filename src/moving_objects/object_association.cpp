@@ -60,8 +60,10 @@ ObjectTable::Tracked* ObjectTable::by_place(const MotionGroup& group) {
     const double unseen_s = to_seconds(now_ - tracked.last_evidence);
     const double off_m = (tracked.box.centre_m - group.centre_m).norm();
     const bool at_place = off_m < kReclaimDistance_m + kReclaimDrift_mps * unseen_s;
-    const bool at_speed = (tracked.object.velocity_mps - group.velocity_mps).norm() <
-                          kReclaimSpeed_mps + kReclaimSpeedShare * group.velocity_mps.norm();
+    // What has stopped may set off at any speed.
+    const bool at_speed = tracked.object.state == ObjectState::kStopped ||
+                          (tracked.object.velocity_mps - group.velocity_mps).norm() <
+                              kReclaimSpeed_mps + kReclaimSpeedShare * group.velocity_mps.norm();
     if (at_place && at_speed && off_m < nearest_m) {
       nearest = &tracked;
       nearest_m = off_m;

@@ -444,6 +444,7 @@ void ObjectTable::rest(const StereoCamera& camera, std::span<const PointSample> 
                        Tracked& tracked) {
   std::erase_if(members_, [&](auto i) { return !rests(points[i]); });
   measure_place(camera, points, members_, tracked);
+  tracked.box = {centre_of(points, members_), extent_of(points, members_)};
   MovingObject& object = tracked.object;
   object.velocity_mps.setZero();
   object.angular_velocity_radps.setZero();

@@ -66,6 +66,7 @@ TEST(LivePairing, TakesNoNextRightImageForTheFirstOneThatIsLate) {
 // Every second left image and every fifth right one is lost: the left ones come 67 ms apart.
 TEST(LivePairing, TakesNoImageOfTheFrameBeforeWhileManyAreLost) {
   LivePairing pairing(0.0);
+  int accepted = 0;
   for (std::size_t k = 0; k < 20; ++k) {
     const Nanoseconds exposure = static_cast<int>(k) * 33ms;
     if (k % 2 == 0) {
@@ -75,13 +76,50 @@ TEST(LivePairing, TakesNoImageOfTheFrameBeforeWhileManyAreLost) {
       EXPECT_FALSE(pairing.add_right({exposure, 0}));
     }
     while (const auto decision = pairing.decide()) {
-      if (decision->is_accepted) {
-        EXPECT_EQ(decision->right->exposure, decision->left.exposure);
-      }
+      if (!decision->is_accepted) continue;
+      ++accepted;
+      EXPECT_EQ(decision->right->exposure, decision->left.exposure);
     }
     while (pairing.take_stale()) {
     }
   }
+  EXPECT_GE(accepted, 6) << "of 8";
+}
+
+// Accepted pairs of left images at these times, each with a right one 1 ms later.
+int accepted_of(LivePairing& pairing, const std::vector<Nanoseconds>& times) {
+  int accepted = 0;
+  for (const Nanoseconds time : times) {
+    static_cast<void>(pairing.add_left({time, 0}));
+    static_cast<void>(pairing.add_right({time + 1ms, 0}));
+    while (const auto decision = pairing.decide()) accepted += decision->is_accepted ? 1 : 0;
+    while (pairing.take_stale()) {
+    }
+  }
+  return accepted;
+}
+
+TEST(LivePairing, LosesNothingToImagesThatComeTwice) {
+  LivePairing pairing(0.0);
+  EXPECT_EQ(accepted_of(pairing, {0ms, 0ms, 33ms, 33ms, 66ms, 100ms, 100ms, 133ms}), 5);
+}
+
+TEST(LivePairing, LosesNothingToARightImageFromTheFuture) {
+  LivePairing pairing(0.0);
+  EXPECT_EQ(accepted_of(pairing, {0ms, 33ms}), 2);
+  EXPECT_EQ(pairing.add_right({1h, 7}), 7U);
+  EXPECT_EQ(accepted_of(pairing, {66ms, 100ms, 133ms}), 3);
+}
+
+TEST(LivePairing, LearnsARateThatFallsFrom30To1Hz) {
+  LivePairing pairing(0.0);
+  EXPECT_EQ(accepted_of(pairing, {0ms, 33ms, 66ms, 100ms, 133ms}), 5);
+  static_cast<void>(accepted_of(pairing, {1133ms, 2133ms, 3133ms}));
+  static_cast<void>(pairing.add_left({4133ms, 0}));
+  static_cast<void>(pairing.add_right({4333ms, 0}));
+  const auto decision = pairing.decide();
+  ASSERT_TRUE(decision && decision->is_accepted) << "200 ms are within half a second";
+  EXPECT_FALSE(decision->discontinuity);
 }
 
 TEST(LivePairing, PairsTheFirstImagesOfCamerasThatRunFreelyAtALowRate) {

@@ -40,6 +40,15 @@ TEST(Manoeuvre, LeadsWhatGoesOnToGrowByAllThatItIsBehind) {
   EXPECT_NEAR(manoeuvre.steady_lead_mps().z(), 0.12, 0.02);
 }
 
+TEST(Manoeuvre, LeadsNothingOnThatWentBeforeAGap) {
+  Manoeuvre manoeuvre;
+  for (int k = 0; k < 30; ++k) manoeuvre.follow({0.0, 0.0, 1.0 - 0.03 * k}, k * 33ms);
+  for (int k = 0; k < 10; ++k) {
+    manoeuvre.follow({0.0, 0.0, 0.5}, 2s + k * 33ms);
+    EXPECT_LT(manoeuvre.steady_lead_mps().norm(), kNothing) << k;
+  }
+}
+
 TEST(Manoeuvre, DoesNotLeadWhatSwings) {
   Manoeuvre manoeuvre;
   for (int k = 0; k < 60; ++k) {

@@ -87,7 +87,7 @@ FitResult fit_filter(const Options& options) {
   for (std::size_t i = 0; i < options.records.size(); ++i) {
     const std::string damage =
         add_record(options.records[i], options.truths[i], config.error_correlation, samples);
-    if (!damage.empty()) result.damage = damage;
+    if (!damage.empty()) result.damage += (result.damage.empty() ? "" : "; ") + damage;
   }
   samples.sort();
   if (samples.evidence.still.empty() || samples.evidence.moving.empty()) {

@@ -36,7 +36,7 @@ RecordLabels load(const Options& options) {
                      choice_of(options.points));
     append(labels.static_mps, all.labels.static_mps);
     append(labels.moving_mps, all.labels.moving_mps);
-    if (!damage.empty()) all.damage = damage;
+    if (!damage.empty()) all.damage += (all.damage.empty() ? "" : "; ") + damage;
   }
   write_labels(options.output + "/labels.csv", all.labels);
   return all;

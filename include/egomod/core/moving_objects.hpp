@@ -22,7 +22,7 @@ struct PointMotion {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
   float motion_probability = 0.0F;
-  float evidence = 0.0F;  // log likelihood ratio, moving over static; 0 where a method sums none
+  float evidence = 0.0F;  // log likelihood ratio, moving over static; 0 where a method has none
   float chi2 = 0.0F;      // of the velocity against rest, 3 degrees of freedom; 0 as above
 };
 
