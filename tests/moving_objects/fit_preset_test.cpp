@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "labels.hpp"
 #include "preset.hpp"
 
 namespace egomod::fit {
@@ -28,6 +29,17 @@ TEST(FitPreset, GetsATableWhereThereIsNone) {
             "[moving_objects]\na = 1  # fitted by egomod-fit\n");
   EXPECT_EQ(with_keys("[capture]\nb = 2", {{"a", 1.0}}, changes),
             "[capture]\nb = 2\n\n[moving_objects]\na = 1  # fitted by egomod-fit\n");
+}
+
+TEST(FitPreset, RefusesSpellingsThatWouldSetAKeyTwice) {
+  std::string changes;
+  for (const char* line :
+       {"[ moving_objects ]", "moving_objects.a = 1", "moving_objects = { a = 1 }"}) {
+    const std::string text = std::string("# fitted\n") + line + "\n";
+    EXPECT_THROW(with_keys(text, {{"a", 2.0}}, changes), InputError) << line;
+  }
+  EXPECT_THROW(with_keys("[moving_objects]\n\"a\" = 1\n", {{"a", 2.0}}, changes), InputError);
+  EXPECT_NO_THROW(with_keys("[moving_objects] # it's \"ours\"\n", {{"a", 2.0}}, changes));
 }
 
 TEST(FitPreset, FittedTwiceIsTheSame) {

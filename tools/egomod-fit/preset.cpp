@@ -45,6 +45,24 @@ Assignment assignment_of(const std::string& line) {
 
 bool begins_table(const std::string& line) { return stripped(line).starts_with('['); }
 
+// TOML has more ways to spell a table and its keys, which would be set twice.
+void require_plain_spelling(const std::vector<std::string>& lines) {
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    std::string bare = stripped(lines[i]);
+    const bool is_plain = bare.starts_with(kTable);
+    std::erase_if(bare, [](char c) { return c == ' ' || c == '\t' || c == '"' || c == '\''; });
+    const bool is_ours = bare.starts_with(kTable) || bare.starts_with("moving_objects.") ||
+                         bare.starts_with("moving_objects=");
+    const bool has_quoted_name =
+        assignment_of(lines[i]).name.find_first_of("\"'") != std::string::npos;
+    if ((is_ours && !is_plain) || has_quoted_name)
+      throw InputError(
+          fmt::format("line {}: {}: write the table as {} and its keys below it, "
+                      "without quotes",
+                      i + 1, stripped(lines[i]), kTable));
+  }
+}
+
 std::string line_of(const FittedKey& key) {
   return fmt::format("{} = {:.6g}  # fitted by egomod-fit", key.name, key.value);
 }
@@ -72,6 +90,7 @@ std::filesystem::path target_of(const Options& options) {
 std::string with_keys(const std::string& text, const std::vector<FittedKey>& keys,
                       std::string& changes) {
   std::vector<std::string> lines = lines_of(text);
+  require_plain_spelling(lines);
   std::size_t begin = 0;
   while (begin < lines.size() && !stripped(lines[begin]).starts_with(kTable)) ++begin;
   if (begin == lines.size()) {
@@ -103,8 +122,12 @@ std::string with_keys(const std::string& text, const std::vector<FittedKey>& key
 void write_preset(const Options& options, const std::vector<FittedKey>& keys) {
   const std::filesystem::path target = target_of(options);
   std::string changes;
-  const std::string text =
-      with_keys(options.preset.empty() ? "" : text_of_file(options.preset), keys, changes);
+  std::string text = options.preset.empty() ? "" : text_of_file(options.preset);
+  try {
+    text = with_keys(text, keys, changes);
+  } catch (const InputError& error) {
+    throw InputError(options.preset + ": " + error.what());
+  }
   log::ResultFile result(target);
   std::ofstream file(result.path());
   file << text;

@@ -10,6 +10,7 @@ namespace egomod::fit {
 
 // The text of a TOML file with these keys in its table [moving_objects], in place where they are
 // there; all else stays as it is, to the letter. Appends a line to `changes` for each of them.
+// Throws InputError, with the line, where the table or its keys are spelt in another way.
 [[nodiscard]] std::string with_keys(const std::string& text, const std::vector<FittedKey>& keys,
                                     std::string& changes);
 
