@@ -8,7 +8,6 @@
 #include <egomod/track_list_t.hpp>
 #include <egomod/velocity_t.hpp>
 #include <filesystem>
-#include <fstream>
 #include <lcm/lcm-cpp.hpp>
 #include <random>
 #include <string>
@@ -16,6 +15,7 @@
 #include "egomod/moving_objects/evidence_gates.hpp"
 #include "evidence_plot.hpp"
 #include "filter_model.hpp"
+#include "fit_fixture.hpp"
 #include "labels.hpp"
 
 namespace egomod::fit {
@@ -76,35 +76,12 @@ TEST(DecisionCut, IsNoneWhereOneClassIsMissingOrOneAnswerForAllIsAsGood) {
 }
 
 // Two pairs with an object that moves at 4 m, the rig driving at 0.3 m/s.
-class FitFilter : public ::testing::Test {
+class FitFilter : public FitFolder {
  protected:
-  FitFilter()
-      : folder(std::filesystem::path(::testing::TempDir()) /
-               ::testing::UnitTest::GetInstance()->current_test_info()->name()) {
-    std::filesystem::remove_all(folder);
-    std::filesystem::create_directories(folder);
-    file("times.txt", "0\n0.1\n");
-    file("calib.txt", "P1: 500 0 320 -200 0 500 240 0 0 0 1 0\n");
-    file("objects.csv",
-         "frame,object_id,cz,bz,u_min,v_min,u_max,v_max,moving,time,class,cx,cy,bx,by,VX,VY,VZ,wx,"
-         "wy,wz,visible_px\n"
-         "0,1,3.9,4.1,100,100,200,200,1,0,box,0,0,0,0,0,0,0,0,0,0,9\n"
-         "1,1,3.9,4.1,100,100,200,200,1,0,box,0,0,0,0,0,0,0,0,0,0,9\n");
-  }
-  ~FitFilter() override { std::filesystem::remove_all(folder); }
-
-  void file(const std::string& name, const std::string& text) const {
-    std::ofstream(folder / name) << text;
-  }
-  template <class Message>
-  static void append(lcm::LogFile& log, const std::string& channel, const Message& message) {
-    std::vector<unsigned char> bytes(static_cast<std::size_t>(message.getEncodedSize()));
-    message.encode(bytes.data(), 0, message.getEncodedSize());
-    lcm::LogEvent event{};
-    event.channel = channel;
-    event.datalen = message.getEncodedSize();
-    event.data = bytes.data();
-    log.writeEvent(&event);
+  FitFilter() {
+    truth(
+        "0,1,3.9,4.1,100,100,200,200,1\n"
+        "1,1,3.9,4.1,100,100,200,200,1\n");
   }
   static track_t track(bool on_mover, std::int8_t state, std::int64_t object, float evidence,
                        float chi2) {
@@ -136,7 +113,6 @@ class FitFilter : public ::testing::Test {
     for (list.sequence = 0; list.sequence < 2; ++list.sequence) append(log, "EGOMOD_TRACKS", list);
     return folder / "log";
   }
-  const std::filesystem::path folder;
 };
 
 TEST_F(FitFilter, LabelsPointsAndTheObjectsThatTheyMakeUp) {

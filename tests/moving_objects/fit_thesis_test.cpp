@@ -3,11 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <random>
 #include <string>
 
+#include "fit_fixture.hpp"
 #include "labels.hpp"
 #include "thesis_model.hpp"
 
@@ -16,16 +15,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-class FitThesis : public ::testing::Test {
+class FitThesis : public FitFolder {
  protected:
-  FitThesis()
-      : folder(std::filesystem::path(::testing::TempDir()) /
-               ::testing::UnitTest::GetInstance()->current_test_info()->name()) {
-    std::filesystem::remove_all(folder);
-    std::filesystem::create_directories(folder);
-  }
-  ~FitThesis() override { std::filesystem::remove_all(folder); }
-
   Options options_of(const Labels& labels) const {
     write_labels(folder / "labels.csv", labels);
     Options options;
@@ -34,7 +25,6 @@ class FitThesis : public ::testing::Test {
     options.plot = false;
     return options;
   }
-  const std::filesystem::path folder;
 };
 
 std::vector<double> rayleigh_samples(double sigma_mps, int count) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <numbers>
 
@@ -170,6 +171,20 @@ TEST(TrackMessage, JoinsTracksWithTheirRoleAndMotion) {
   EXPECT_EQ(list.tracks[1].object_id, 7);
   EXPECT_EQ(list.tracks[1].evidence, 9.5F);
   EXPECT_EQ(list.tracks[1].chi2, 40.25F);
+}
+
+TEST(TrackMessage, HasNoVelocityWhileItIsUnknown) {
+  Frame frame = test::some_frame(2);
+  for (PointMotion& point : frame.objects.points) point.velocity_mps = {0.4, 0.0, -0.3};
+  track_list_t list{};
+  EXPECT_EQ(fill_message(frame, list), 0);
+  const auto moves = [](const track_t& track) {
+    return track.vel[0] != 0.0F || track.vel[1] != 0.0F || track.vel[2] != 0.0F;
+  };
+  ASSERT_TRUE(std::any_of(list.tracks.begin(), list.tracks.end(), moves));
+  for (PointMotion& point : frame.objects.points) point.state = PointState::kUnknown;
+  EXPECT_EQ(fill_message(frame, list), 0);
+  EXPECT_TRUE(std::none_of(list.tracks.begin(), list.tracks.end(), moves));
 }
 
 TEST(Messages, KeepEverythingThroughEncodingAndDecoding) {
