@@ -138,7 +138,10 @@ std::optional<LivePairing::Decision> LivePairing::decide() {
   const Nanoseconds exposure = left_.entries[0].exposure;
   const auto nearest = nearest_right(exposure);
   const auto interval = this->interval();
-  const Nanoseconds half = interval ? *interval / 2 : kUnknownIntervalLimit;
+  // Of an interval that is twice the true one, the image of the next instant is half away.
+  const Nanoseconds half = !interval              ? kUnknownIntervalLimit
+                           : interval_.is_young() ? 2 * *interval / 5
+                                                  : *interval / 2;
   const Nanoseconds limit = max_skew_s_ > 0.0 ? Nanoseconds(std::llround(max_skew_s_ * 1e9)) : half;
   const bool has_passed = right_.count > 0 && right_.entries[right_.count - 1].exposure >= exposure;
   const Nanoseconds skew =

@@ -64,6 +64,15 @@ TEST(LivePairing, TakesNoNextRightImageForTheFirstOneThatIsLate) {
 }
 
 // Every second left image and every fifth right one is lost: the left ones come 67 ms apart.
+// Of both cameras the second image is lost: what is known of the interval is twice the true one.
+TEST(LivePairing, TakesNoImageOfTheNextFrameByAnIntervalThatIsTooLong) {
+  LivePairing pairing(0.0);
+  EXPECT_FALSE(pairing.add_left({0ms, 0}));
+  EXPECT_FALSE(pairing.add_right({33ms, 1}));
+  EXPECT_FALSE(pairing.add_left({67ms, 2}));
+  EXPECT_FALSE(pairing.decide()->is_accepted);
+}
+
 TEST(LivePairing, TakesNoImageOfTheFrameBeforeWhileManyAreLost) {
   LivePairing pairing(0.0);
   int accepted = 0;
