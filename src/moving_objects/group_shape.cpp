@@ -103,6 +103,15 @@ PixelRect carried(const StereoCamera& camera, const PixelRect& rectangle,
           static_cast<float>(high.y())};
 }
 
+PixelRect shrunk(const PixelRect& before, const PixelRect& now, double kept) {
+  if (before.u_max_px < before.u_min_px) return now;
+  const auto share = static_cast<float>(kept);
+  return {now.u_min_px + share * std::min(0.0F, before.u_min_px - now.u_min_px),
+          now.v_min_px + share * std::min(0.0F, before.v_min_px - now.v_min_px),
+          now.u_max_px + share * std::max(0.0F, before.u_max_px - now.u_max_px),
+          now.v_max_px + share * std::max(0.0F, before.v_max_px - now.v_max_px)};
+}
+
 float intersection_px2(const PixelRect& a, const PixelRect& b) {
   const float width = std::min(a.u_max_px, b.u_max_px) - std::max(a.u_min_px, b.u_min_px) + 1.0F;
   const float height = std::min(a.v_max_px, b.v_max_px) - std::max(a.v_min_px, b.v_min_px) + 1.0F;

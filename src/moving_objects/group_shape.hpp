@@ -30,6 +30,9 @@ using Members = std::span<const Grouper::Index>;  // into a vector of PointSampl
 [[nodiscard]] PixelRect carried(const StereoCamera& camera, const PixelRect& rectangle,
                                 const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m);
 
+// `now`, with that share of how far `before` reaches beyond it; an empty `before` does not.
+[[nodiscard]] PixelRect shrunk(const PixelRect& before, const PixelRect& now, double kept);
+
 [[nodiscard]] float intersection_px2(const PixelRect& a, const PixelRect& b);
 // What lies between the two along each axis where they do not overlap, and is common to both where
 // they do; empty if they overlap along both.

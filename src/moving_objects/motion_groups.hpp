@@ -87,6 +87,11 @@ struct LineMotion {
 [[nodiscard]] bool lies_on_unseen_border(const StereoCamera& camera, const MotionGroup& group,
                                          std::span<const PointSample> points);
 
+// A floor just ahead of a wide rig is sheared between its images and matched to look-alikes, as
+// if it were seen through; so are mirror images in it: true when something rests about as far away
+// as the group is, and all of it is higher.
+[[nodiscard]] bool lies_under_ground(const MotionGroup& group, std::span<const PointSample> points);
+
 // Log likelihood ratio of points that move together, whose errors are correlated.
 [[nodiscard]] double joint_evidence(std::span<const PointSample> points, Members members,
                                     double correlation);

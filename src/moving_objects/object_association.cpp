@@ -92,6 +92,16 @@ double ObjectTable::least_purity() const {
   return is_slow_ ? std::max(kLeapPurity, config_.min_purity) : config_.min_purity;
 }
 
+// That of somebody who was lost, if nobody has it yet, or a new one.
+std::int64_t ObjectTable::name_for(const MotionGroup& group) {
+  const LostObject* lost = lost_.find(group.centre_m, group.velocity_mps);
+  const bool is_free = lost != nullptr &&
+                       std::none_of(objects_.begin(), objects_.end(), [&](const Tracked& tracked) {
+                         return tracked.object.id == lost->id;
+                       });
+  return is_free ? lost->id : ++last_id_;
+}
+
 // Only a group that passes every gate opens an object; later a smaller one keeps it. What swings
 // its limbs may show few points of one velocity: then all that move there count.
 ObjectTable::Tracked* ObjectTable::create(const StereoCamera& camera,
@@ -106,12 +116,12 @@ ObjectTable::Tracked* ObjectTable::create(const StereoCamera& camera,
       group.recedes || group.chi2() < config_.object_chi2 || group.evidence < gates_.min_evidence ||
       objects_.size() == kMostObjects ||
       line_motion(camera, points, finder.members(body)).along_line ||
-      lies_on_unseen_border(camera, group, points)) {
+      lies_on_unseen_border(camera, group, points) || lies_under_ground(group, points)) {
     return nullptr;
   }
   Tracked tracked;
   tracked.swings = swings;
-  tracked.object.id = ++last_id_;
+  tracked.object.id = name_for(group);
   tracked.object.position_m = group.position_m;
   tracked.object.rectangle = group.rectangle;
   tracked.first = now_;

@@ -32,6 +32,7 @@ constexpr double kWidestTrunk_m = 1.0;
 constexpr double kLegSpan_m = 0.25;   // beside the trunk
 constexpr double kTallest_m = 1.9;    // with its legs
 constexpr double kStraySpan_m = 0.7;  // nothing of a person is alone so far beside the rest
+constexpr double kOutline_s = 0.15;   // its rectangle shrinks in
 constexpr double kHeadHeight_m = 0.35;
 constexpr double kDeepestTrunk_m = 0.5;
 // Error of a surface's centre by its size, however many points show it.
@@ -150,20 +151,21 @@ bool ObjectTable::hangs_on(const Eigen::Vector3d& position_m, const Box& trunk,
 
 void ObjectTable::move_on(const StereoCamera& camera, Nanoseconds exposure,
                           const Eigen::Isometry3d& T_current_previous) {
-  const double elapsed_s = to_seconds(exposure - now_);
+  elapsed_s_ = to_seconds(exposure - now_);
   now_ = exposure;
   is_slow_ = false;
+  lost_.move_on(exposure, T_current_previous);
   const Eigen::Matrix3d R = T_current_previous.linear();
   for (Tracked& tracked : objects_) {
     MovingObject& object = tracked.object;
     const Eigen::Vector3d before_m = object.position_m;
-    object.position_m = T_current_previous * (before_m + elapsed_s * object.velocity_mps);
+    object.position_m = T_current_previous * (before_m + elapsed_s_ * object.velocity_mps);
     tracked.box.centre_m =
-        T_current_previous * (tracked.box.centre_m + elapsed_s * object.velocity_mps);
+        T_current_previous * (tracked.box.centre_m + elapsed_s_ * object.velocity_mps);
     object.velocity_mps = R * object.velocity_mps;
     object.angular_velocity_radps = R * object.angular_velocity_radps;
     tracked.manoeuvre.rotate(R);
-    doubt(elapsed_s, to_seconds(now_ - tracked.last_evidence), object);
+    doubt(to_seconds(now_ - tracked.last_evidence), object);
     object.position_covariance_m2 = R * object.position_covariance_m2 * R.transpose();
     object.velocity_covariance_m2ps2 = R * object.velocity_covariance_m2ps2 * R.transpose();
     set_speed(object);
@@ -176,12 +178,13 @@ void ObjectTable::move_on(const StereoCamera& camera, Nanoseconds exposure,
 }
 
 // The longer unseen, the less is known: an error of velocity adds up, and things manoeuvre.
-void ObjectTable::doubt(double elapsed_s, double unseen_s, MovingObject& object) const {
-  const double before_s = std::max(0.0, unseen_s - elapsed_s);
+void ObjectTable::doubt(double unseen_s, MovingObject& object) const {
+  const double before_s = std::max(0.0, unseen_s - elapsed_s_);
   object.position_covariance_m2 +=
       (unseen_s * unseen_s - before_s * before_s) * object.velocity_covariance_m2ps2;
   const double a_mps2 = config_.acceleration_mps2 + config_.manoeuvre_hz * object.speed_mps;
-  object.velocity_covariance_m2ps2.diagonal().array() += a_mps2 * a_mps2 * kManoeuvre_s * elapsed_s;
+  object.velocity_covariance_m2ps2.diagonal().array() +=
+      a_mps2 * a_mps2 * kManoeuvre_s * elapsed_s_;
 }
 
 void ObjectTable::miss(const TrackSet& tracks) {
@@ -193,16 +196,28 @@ void ObjectTable::miss(const TrackSet& tracks) {
 }
 
 void ObjectTable::forget_lost() {
-  const auto lost = std::remove_if(objects_.begin(), objects_.end(),
-                                   [this](const Tracked& tracked) { return is_lost(tracked); });
-  if (lost == objects_.end()) return;
-  objects_.erase(lost, objects_.end());
+  const std::size_t before = objects_.size();
+  std::erase_if(objects_, [this](const Tracked& tracked) {
+    const bool lost = is_lost(tracked);
+    if (lost) remember(tracked);
+    return lost;
+  });
+  if (objects_.size() == before) return;
   for (std::int64_t& owner : owners_) {
     const bool lives = std::any_of(objects_.begin(), objects_.end(), [&](const Tracked& tracked) {
       return tracked.object.id == owner;
     });
     if (!lives) owner = 0;
   }
+}
+
+void ObjectTable::remember(const Tracked& tracked) {
+  if (!tracked.confirmed || !is_finite(tracked.object)) return;
+  lost_.remember({.id = tracked.object.id,
+                  .centre_m = tracked.box.centre_m,
+                  .velocity_mps = tracked.object.velocity_mps,
+                  .last_seen = tracked.last_evidence,
+                  .stopped = tracked.object.state == ObjectState::kStopped});
 }
 
 void ObjectTable::predict(const TrackSet& tracks, const Egomotion& motion) {
@@ -236,6 +251,7 @@ void ObjectTable::update(const StereoCamera& camera, std::span<const PointSample
     measure(camera, points, tracked);
     const bool proven = is_proven(tracked);
     tracked.confirmed = tracked.confirmed || (proven && motion_is_valid);
+    if (tracked.confirmed) lost_.erase(tracked.object.id);
     tracked.object.state = tracked.confirmed ? ObjectState::kMoving : ObjectState::kTentative;
   }
   absorb_parts(camera, points);
@@ -356,7 +372,10 @@ void ObjectTable::measure_place(const StereoCamera& camera, std::span<const Poin
   // nearer to the centre of the visible surface than their mean.
   const double z_m = seen.empty() ? object.position_m.z() : mean_position(points, seen).z();
   const Members outline = without_stray(camera, points, outline_of(points, seen, tracked), z_m);
-  object.rectangle = rectangle_of(points, outline);
+  // Points come and go, most of all on somebody who walks: the outline does not as fast.
+  const PixelRect now = rectangle_of(points, outline);
+  object.rectangle =
+      tracked.confirmed ? shrunk(object.rectangle, now, std::exp(-elapsed_s_ / kOutline_s)) : now;
   tracked.own_rectangle = rectangle_of(points, members_);
   object.extent_m = extent_of(points, outline);
   object.points = static_cast<int>(members_.size());

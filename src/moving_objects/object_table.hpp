@@ -11,6 +11,7 @@
 #include "egomod/core/moving_objects.hpp"
 #include "egomod/core/track_set.hpp"
 #include "egomod/moving_objects/moving_objects_config.hpp"
+#include "moving_objects/lost_objects.hpp"
 #include "moving_objects/manoeuvre.hpp"
 #include "moving_objects/motion_groups.hpp"
 #include "moving_objects/point_sample.hpp"
@@ -92,12 +93,13 @@ class ObjectTable {
                                           const Tracked& b);
   void move_on(const StereoCamera& camera, Nanoseconds exposure,
                const Eigen::Isometry3d& T_current_previous);
-  void doubt(double elapsed_s, double unseen_s, MovingObject& object) const;
+  void doubt(double unseen_s, MovingObject& object) const;
   [[nodiscard]] Tracked* by_tracks(std::span<const PointSample> points, Members members);
   [[nodiscard]] Tracked* by_place(const MotionGroup& group);
   [[nodiscard]] bool carries_on(std::span<const PointSample> points, Members members,
                                 const Tracked* tracked) const;
   [[nodiscard]] double least_purity() const;
+  [[nodiscard]] std::int64_t name_for(const MotionGroup& group);
   [[nodiscard]] Tracked* create(const StereoCamera& camera, std::span<const PointSample> points,
                                 const MotionGroup& group, const MotionGroups& finder);
   [[nodiscard]] static Box joined(const Box& a, const Box& b);
@@ -130,11 +132,13 @@ class ObjectTable {
   void coast(const StereoCamera& camera, std::span<const PointSample> points, Tracked& tracked);
   void rest(const StereoCamera& camera, std::span<const PointSample> points, Tracked& tracked);
   void forget_lost();
+  void remember(const Tracked& tracked);
   [[nodiscard]] bool is_lost(const Tracked& tracked) const;
 
   const MovingObjectsConfig config_;
   const ObjectGates gates_;
   Nanoseconds now_{0};
+  double elapsed_s_ = 0.0;  // since the pair before
   bool is_slow_ = false;
   std::vector<Tracked> objects_;
   std::vector<std::int64_t> owners_;  // parallel to TrackSet::tracks
@@ -145,6 +149,7 @@ class ObjectTable {
   std::vector<Grouper::Index> seen_;
   std::vector<Grouper::Index> trunk_;
   std::vector<Grouper::Index> outline_;
+  LostObjects lost_;
   std::int64_t last_id_ = 0;
 };
 

@@ -242,6 +242,82 @@ TEST_F(Filter, IdentityOutlastsOneSecondOutOfSight) {
   EXPECT_EQ(objects.objects.front().id, id);
 }
 
+// Half of a known object's points lost at once are half of the object hidden or out of features.
+TEST_F(Filter, OutlineOutlastsItsPointsForAMoment) {
+  rest_rig();
+  world.add_background(300);
+  world.add_box(40, {-1.0, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.5, 0.0, 0.0});
+  int pair = 0;
+  for (; pair < 45; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  const auto width_px = [this] {
+    const PixelRect& r = objects.objects.front().rectangle;
+    return r.u_max_px - r.u_min_px;
+  };
+  const float before_px = width_px();
+  for (std::size_t i = 300; i < 340; ++i) {
+    if (world.points[i].at_start_m.x() > -1.0) world.points[i].at_start_m.y() += 50.0;
+  }
+  run(pair++);
+  ASSERT_EQ(moving(), 1);
+  EXPECT_GT(width_px(), 0.8F * before_px);
+  for (; pair < 75; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  EXPECT_LT(width_px(), 0.65F * before_px) << "it is known to be gone after a second";
+}
+
+// Longer than objects coast: it is told no more, and has its name when it comes out.
+TEST_F(Filter, NameOutlastsThreeSecondsOutOfSight) {
+  rest_rig();
+  world.add_background(300);
+  world.add_box(40, {-1.0, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.5, 0.0, 0.0});
+  int pair = 0;
+  for (; pair < 30; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  const std::int64_t id = objects.objects.front().id;
+  for (std::size_t i = 300; i < 340; ++i) world.points[i].at_start_m.y() += 50.0;
+  for (; pair < 120; ++pair) run(pair);
+  ASSERT_TRUE(objects.objects.empty());
+  for (std::size_t i = 300; i < 340; ++i) world.points[i].at_start_m.y() -= 50.0;
+  for (; pair < 135; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  EXPECT_EQ(objects.objects.front().id, id);
+}
+
+TEST_F(Filter, NameOutlastsALongStop) {
+  rest_rig();
+  world.add_background(300);
+  world.add_box(40, {-0.5, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.5, 0.0, 0.0});
+  int pair = 0;
+  for (; pair < 30; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  const std::int64_t id = objects.objects.front().id;
+  turn(pair, 300, {0.0, 0.0, 0.0});
+  for (; pair < 200; ++pair) run(pair);
+  ASSERT_TRUE(objects.objects.empty());
+  turn(pair, 300, {0.0, 0.0, -0.5});
+  for (; pair < 230; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  EXPECT_EQ(objects.objects.front().id, id);
+}
+
+TEST_F(Filter, WhoComesOutElsewhereHasAnotherName) {
+  rest_rig();
+  world.add_background(300);
+  world.add_box(40, {-1.0, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.5, 0.0, 0.0});
+  int pair = 0;
+  for (; pair < 30; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  const std::int64_t id = objects.objects.front().id;
+  for (std::size_t i = 300; i < 340; ++i) world.points[i].at_start_m.y() += 50.0;
+  for (; pair < 120; ++pair) run(pair);
+  for (std::size_t i = 300; i < 340; ++i) world.points[i].at_start_m.y() -= 50.0;
+  for (std::size_t i = 300; i < 340; ++i) world.points[i].at_start_m.z() += 5.0;
+  for (; pair < 145; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  EXPECT_NE(objects.objects.front().id, id);
+}
+
 TEST_F(Filter, StopIsSeenAndStartIsSeenAgain) {
   rest_rig();
   world.add_background(300);

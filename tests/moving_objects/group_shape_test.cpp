@@ -36,5 +36,21 @@ TEST(Stray, IsNoneOfTwoOnOneSideOrOfThreePoints) {
   EXPECT_EQ(Row({60.0, 100.0, 105.0}).stray(20.0), 3U);
 }
 
+TEST(Shrunk, KeepsAShareOfWhatWasBeyond) {
+  const PixelRect before{100.0F, 50.0F, 200.0F, 150.0F};
+  const PixelRect now{120.0F, 40.0F, 180.0F, 160.0F};
+  const PixelRect kept = shrunk(before, now, 0.75);
+  EXPECT_FLOAT_EQ(kept.u_min_px, 105.0F);
+  EXPECT_FLOAT_EQ(kept.u_max_px, 195.0F);
+  EXPECT_FLOAT_EQ(kept.v_min_px, 40.0F) << "it grows at once";
+  EXPECT_FLOAT_EQ(kept.v_max_px, 160.0F);
+}
+
+TEST(Shrunk, OutOfWhatWasOutOfViewIsAsItIs) {
+  const PixelRect kept = shrunk({0.0F, 0.0F, -1.0F, -1.0F}, {10.0F, 20.0F, 30.0F, 40.0F}, 0.75);
+  EXPECT_FLOAT_EQ(kept.u_min_px, 10.0F);
+  EXPECT_FLOAT_EQ(kept.v_max_px, 40.0F);
+}
+
 }  // namespace
 }  // namespace egomod

@@ -102,8 +102,9 @@ TEST_F(Lag, IdentityStaysWithItsTracksAndIsNeverReused) {
   EXPECT_EQ(moving(), 2);
   EXPECT_EQ(ids.size(), 2U);
 
-  // Out of sight for longer than an object coasts, then back: nobody knows it any more.
-  const std::vector<synthetic::Point> points = world.points;
+  // Out of sight for longer than an object coasts; who comes then, 3 m further away, is another.
+  std::vector<synthetic::Point> points = world.points;
+  for (std::size_t i = 300; i < points.size(); ++i) points[i].at_start_m.z() += 3.0;
   for (std::size_t i = 300; i < world.points.size(); ++i) world.points[i].at_start_m.z() = -50.0;
   for (int pair = 20; pair < 45; ++pair) run(pair);
   EXPECT_TRUE(objects.objects.empty());

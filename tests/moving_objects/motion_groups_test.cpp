@@ -53,6 +53,46 @@ TEST(UnseenBorder, IsNoneBesideWhatIsAsFarAway) {
   EXPECT_FALSE(beside_a_wall.lies_on_unseen_border());
 }
 
+// A floor 0.45 m below the camera, and a group as if seen through it, 5 m away.
+struct UnderAFloor {
+  MotionGroup group;
+  std::vector<PointSample> points;
+
+  UnderAFloor() {
+    group.position_m = {0.5, 2.0, 5.0};
+    for (int i = 0; i < 30; ++i) {
+      PointSample point;
+      point.stands = true;
+      point.position_m = {0.1 * (i - 15), i % 2 == 0 ? 0.45 : -0.5, 3.0 + 0.2 * i};
+      points.push_back(point);
+    }
+  }
+  [[nodiscard]] bool lies_under_ground() const { return egomod::lies_under_ground(group, points); }
+};
+
+TEST(Ground, NothingMovesUnderIt) { EXPECT_TRUE(UnderAFloor().lies_under_ground()); }
+
+TEST(Ground, WhatStandsOnItMoves) {
+  UnderAFloor on_it;
+  on_it.group.position_m.y() = 0.3;
+  EXPECT_FALSE(on_it.lies_under_ground());
+}
+
+TEST(Ground, IsAsLowAsWhatRestsThere) {
+  UnderAFloor beside_stairs;
+  for (int i = 0; i < 3; ++i) beside_stairs.points.at(10 + i).position_m.y() = 2.2;
+  EXPECT_FALSE(beside_stairs.lies_under_ground());
+}
+
+TEST(Ground, IsUnknownWhereHardlyAnythingRests) {
+  UnderAFloor sparse;
+  sparse.points.resize(15);
+  EXPECT_FALSE(sparse.lies_under_ground());
+  UnderAFloor far;
+  for (PointSample& point : far.points) point.position_m.z() += 10.0;
+  EXPECT_FALSE(far.lies_under_ground());
+}
+
 TEST(UnseenBorder, IsNoneAboveTheFloor) {
   BesideALeg above_the_floor;
   for (PointSample& point : above_the_floor.points) point.pixel_px.y() += 40.0;
