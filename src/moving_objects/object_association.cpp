@@ -130,6 +130,13 @@ ObjectTable::Tracked* ObjectTable::create(const StereoCamera& camera,
   return &objects_.back();
 }
 
+// Something beside it has set off, and was taken for a part of it while its motion was not clear.
+bool ObjectTable::stands_apart(const MotionGroup& group, const Tracked& tracked) const {
+  const double sigma_m = std::sqrt(2.0 * tracked.object.position_covariance_m2(2, 2));
+  return tracked.evident && !tracked.swings &&
+         !are_near(tracked.box, {group.centre_m, group.size_m}, sigma_m);
+}
+
 void ObjectTable::associate(const StereoCamera& camera, std::span<const PointSample> points,
                             const MotionGroups& finder, std::span<const MotionGroup> groups,
                             bool is_slow) {
@@ -140,7 +147,10 @@ void ObjectTable::associate(const StereoCamera& camera, std::span<const PointSam
     Tracked* tracked = by_tracks(points, members);
     if ((group.echoes || group.slips) && !carries_on(points, members, tracked)) continue;
     if (tracked == nullptr) tracked = by_place(group);
-    if (tracked == nullptr) tracked = create(camera, points, group, finder);
+    if (tracked == nullptr || stands_apart(group, *tracked)) {
+      Tracked* created = create(camera, points, group, finder);
+      if (created != nullptr) tracked = created;
+    }
     if (tracked == nullptr) continue;
     if (!tracked->evident) {
       take_group(group, *tracked);

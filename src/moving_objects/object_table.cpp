@@ -95,15 +95,12 @@ ObjectTable::ObjectTable(const MovingObjectsConfig& config, const ObjectGates& g
 }
 
 // By the free space between their boxes along each axis.
-bool ObjectTable::are_near(const Tracked& a, const Tracked& b) const {
+bool ObjectTable::are_near(const Box& a, const Box& b, double sigma_m) const {
   Eigen::Vector3d gap =
-      ((a.box.centre_m - b.box.centre_m).cwiseAbs() - 0.5 * (a.box.size_m + b.box.size_m))
-          .cwiseMax(0.0);
+      ((a.centre_m - b.centre_m).cwiseAbs() - 0.5 * (a.size_m + b.size_m)).cwiseMax(0.0);
   gap.y() /= MotionGroups::kUprightReach;
-  const double size_m = std::max(a.box.size_m.maxCoeff(), b.box.size_m.maxCoeff());
-  const double width_m = std::max(a.box.size_m.x(), b.box.size_m.x());
-  const double sigma_m =
-      std::sqrt(a.object.position_covariance_m2(2, 2) + b.object.position_covariance_m2(2, 2));
+  const double size_m = std::max(a.size_m.maxCoeff(), b.size_m.maxCoeff());
+  const double width_m = std::max(a.size_m.x(), b.size_m.x());
   return gap.head<2>().norm() < std::max(config_.neighbour_distance_m, kPartGapShare * width_m) &&
          gap.z() < std::max(config_.neighbour_depth_m, kPartDepthShare * size_m) + 2.5 * sigma_m;
 }
@@ -282,7 +279,9 @@ bool ObjectTable::is_proper(std::span<const PointSample> points, const Tracked& 
 void ObjectTable::absorb_parts(const StereoCamera& camera, std::span<const PointSample> points) {
   for (auto older = objects_.begin(); older != objects_.end(); ++older) {
     const auto is_part = [&](const Tracked& younger) {
-      if (!older->evident || !younger.evident || !are_near(*older, younger) ||
+      const double sigma_m = std::sqrt(older->object.position_covariance_m2(2, 2) +
+                                       younger.object.position_covariance_m2(2, 2));
+      if (!older->evident || !younger.evident || !are_near(older->box, younger.box, sigma_m) ||
           !move_as_one(older->object, younger.object) || are_seen_past(points, *older, younger))
         return false;
       std::replace(owners_.begin(), owners_.end(), younger.object.id, older->object.id);

@@ -88,7 +88,9 @@ class ObjectTable {
     PixelRect own_rectangle;  // of its members, without what hangs on them
   };
 
-  [[nodiscard]] bool are_near(const Tracked& a, const Tracked& b) const;
+  // `sigma_m`: of how far apart they are along the line of sight.
+  [[nodiscard]] bool are_near(const Box& a, const Box& b, double sigma_m) const;
+  [[nodiscard]] bool stands_apart(const MotionGroup& group, const Tracked& tracked) const;
   [[nodiscard]] static bool are_seen_past(std::span<const PointSample> points, const Tracked& a,
                                           const Tracked& b);
   void move_on(const StereoCamera& camera, Nanoseconds exposure,

@@ -19,6 +19,20 @@ TEST_F(Filter, TwoSideBySideWithOneVelocityStayTwo) {
   EXPECT_EQ(moving(), 2);
 }
 
+// For some pairs points between them move alike, as where one sets off beside the other.
+TEST_F(Filter, TwoThatWereTakenForOneAreToldApart) {
+  world.add_background(300);
+  world.add_box(40, {-0.8, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.0, 0.0, 0.4});
+  world.add_box(40, {0.5, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.0, 0.0, 0.4});
+  world.add_box(20, {-0.15, 0.1, 5.0}, {0.8, 0.5, 0.4}, {0.0, 0.0, 0.4});
+  int pair = 0;
+  for (; pair < 20; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  for (std::size_t i = 380; i < 400; ++i) world.points[i].at_start_m.y() += 50.0;
+  for (; pair < 40; ++pair) run(pair);
+  EXPECT_EQ(moving(), 2);
+}
+
 TEST_F(Filter, OverlappingObjectsAreSplitByVelocity) {
   world.add_background(300);
   world.add_box(30, {0.0, 0.1, 5.0}, {0.4, 0.5, 0.4}, {0.5, 0.0, 0.0});
