@@ -40,8 +40,8 @@ class IntervalMeter {
   [[nodiscard]] std::optional<Nanoseconds> median() const;
   // As the median, but of the first few the smallest: what is lost or late makes them longer only.
   [[nodiscard]] std::optional<Nanoseconds> typical() const;
-  // Of so few that all of them may be twice as long as they should be.
-  [[nodiscard]] bool is_young() const { return count_ <= kFew; }
+  // Of so few that it may well be twice as long as it should be.
+  [[nodiscard]] bool is_young() const { return count_ <= 1; }
 
  private:
   static constexpr std::size_t kWindow = 15;

@@ -31,7 +31,6 @@ constexpr double kNearerShare = 0.7;
 constexpr double kUnderGround_m = 0.5;
 constexpr double kUnderGroundShare = 0.15;  // of its depth
 constexpr double kBesideDepth = 0.5;        // and up to the inverse
-constexpr std::ptrdiff_t kLeastBeside = 20;
 constexpr std::ptrdiff_t kLeastGround = 3;
 constexpr std::ptrdiff_t kLeastNearer = 3;
 constexpr double kHullMargin_m = 0.3;
@@ -237,14 +236,16 @@ bool lies_on_unseen_border(const StereoCamera& camera, const MotionGroup& group,
 bool lies_under_ground(const MotionGroup& group, std::span<const PointSample> points) {
   const Eigen::Vector3d& at_m = group.position_m;
   const double low_m = at_m.y() - std::max(kUnderGround_m, kUnderGroundShare * at_m.z());
-  std::ptrdiff_t beside = 0, as_low = 0;
+  std::ptrdiff_t ground = 0, as_low = 0;
   for (const PointSample& point : points) {
+    if (!point.stands) continue;
+    const bool is_higher = point.position_m.y() < low_m;
     const double share = point.position_m.z() / at_m.z();
-    if (!point.stands || share < kBesideDepth || share > 1.0 / kBesideDepth) continue;
-    ++beside;
-    as_low += point.position_m.y() > low_m ? 1 : 0;
+    as_low += !is_higher && share > kBesideDepth && share < 1.0 / kBesideDepth ? 1 : 0;
+    ground +=
+        is_higher && share < kNearerShare && point.pixel_px.y() > group.rectangle.v_min_px ? 1 : 0;
   }
-  return beside >= kLeastBeside && as_low < kLeastGround;
+  return ground >= kLeastGround && as_low < kLeastGround;
 }
 
 bool echoes_mover(const StereoCamera& camera, const MotionGroup& group, const MotionGroup& source,

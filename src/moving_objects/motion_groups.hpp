@@ -88,8 +88,8 @@ struct LineMotion {
                                          std::span<const PointSample> points);
 
 // A floor just ahead of a wide rig is sheared between its images and matched to look-alikes, as
-// if it were seen through; so are mirror images in it: true when something rests about as far away
-// as the group is, and all of it is higher.
+// if it were seen through; so are mirror images in it: true when something nearer rests in the
+// same rows of the image or below, but higher than the group, and nothing as far away as low.
 [[nodiscard]] bool lies_under_ground(const MotionGroup& group, std::span<const PointSample> points);
 
 // Log likelihood ratio of points that move together, whose errors are correlated.

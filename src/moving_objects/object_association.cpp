@@ -45,7 +45,8 @@ ObjectTable::Tracked* ObjectTable::by_tracks(std::span<const PointSample> points
 // What has been known for an object for some time becomes no echo of what it passes.
 bool ObjectTable::carries_on(std::span<const PointSample> points, Members members,
                              const Tracked* tracked) const {
-  if (tracked == nullptr || !tracked->confirmed || tracked->object.age_s < kKnown_s) return false;
+  if (tracked == nullptr || !tracked->confirmed || to_seconds(now_ - tracked->first) < kKnown_s)
+    return false;
   const auto own = std::count_if(members.begin(), members.end(), [&](auto i) {
     return owners_[points[i].track] == tracked->object.id;
   });
@@ -76,7 +77,8 @@ ObjectTable::Tracked* ObjectTable::by_place(const MotionGroup& group) {
 // has been known for some time: an arm or a leg.
 bool ObjectTable::is_limb(const MotionGroup& group) const {
   return std::any_of(objects_.begin(), objects_.end(), [&](const Tracked& tracked) {
-    const bool is_thin = group.size_m.x() < kLimbWidth_m && tracked.object.age_s > kKnown_s;
+    const bool is_thin =
+        group.size_m.x() < kLimbWidth_m && to_seconds(now_ - tracked.first) > kKnown_s;
     const bool is_seen = to_seconds(now_ - tracked.last_evidence) < kLimbMemory_s;
     const auto trunk = trunk_in(tracked.box);
     if (is_thin && is_seen && tracked.confirmed && trunk &&
@@ -90,16 +92,6 @@ bool ObjectTable::is_limb(const MotionGroup& group) const {
 // Over a long interval repeated texture is mismatched in shoals, among points that rest.
 double ObjectTable::least_purity() const {
   return is_slow_ ? std::max(kLeapPurity, config_.min_purity) : config_.min_purity;
-}
-
-// That of somebody who was lost, if nobody has it yet, or a new one.
-std::int64_t ObjectTable::name_for(const MotionGroup& group) {
-  const LostObject* lost = lost_.find(group.centre_m, group.velocity_mps);
-  const bool is_free = lost != nullptr &&
-                       std::none_of(objects_.begin(), objects_.end(), [&](const Tracked& tracked) {
-                         return tracked.object.id == lost->id;
-                       });
-  return is_free ? lost->id : ++last_id_;
 }
 
 // Only a group that passes every gate opens an object; later a smaller one keeps it. What swings
@@ -121,7 +113,9 @@ ObjectTable::Tracked* ObjectTable::create(const StereoCamera& camera,
   }
   Tracked tracked;
   tracked.swings = swings;
-  tracked.object.id = name_for(group);
+  const auto lost = lost_.take(group.centre_m, group.velocity_mps);
+  tracked.object.id = lost ? lost->id : ++last_id_;
+  tracked.first_seen = lost ? lost->first_seen : now_;
   tracked.object.position_m = group.position_m;
   tracked.object.rectangle = group.rectangle;
   tracked.first = now_;
@@ -131,10 +125,13 @@ ObjectTable::Tracked* ObjectTable::create(const StereoCamera& camera,
 }
 
 // Something beside it has set off, and was taken for a part of it while its motion was not clear.
-bool ObjectTable::stands_apart(const MotionGroup& group, const Tracked& tracked) const {
+bool ObjectTable::stands_apart(std::span<const PointSample> points, const MotionGroup& group,
+                               const Tracked& tracked) const {
+  if (!tracked.evident || tracked.swings) return false;
+  const Box box{group.centre_m, group.size_m};
   const double sigma_m = std::sqrt(2.0 * tracked.object.position_covariance_m2(2, 2));
-  return tracked.evident && !tracked.swings &&
-         !are_near(tracked.box, {group.centre_m, group.size_m}, sigma_m);
+  return !are_near(tracked.box, box, sigma_m) &&
+         are_seen_past(points, {tracked.box, tracked.own_rectangle}, {box, group.rectangle});
 }
 
 void ObjectTable::associate(const StereoCamera& camera, std::span<const PointSample> points,
@@ -147,9 +144,10 @@ void ObjectTable::associate(const StereoCamera& camera, std::span<const PointSam
     Tracked* tracked = by_tracks(points, members);
     if ((group.echoes || group.slips) && !carries_on(points, members, tracked)) continue;
     if (tracked == nullptr) tracked = by_place(group);
-    if (tracked == nullptr || stands_apart(group, *tracked)) {
-      Tracked* created = create(camera, points, group, finder);
-      if (created != nullptr) tracked = created;
+    const bool is_apart = tracked != nullptr && stands_apart(points, group, *tracked);
+    if (tracked == nullptr || is_apart) tracked = create(camera, points, group, finder);
+    if (is_apart && tracked == nullptr) {
+      for (const auto i : members) owners_[points[i].track] = 0;
     }
     if (tracked == nullptr) continue;
     if (!tracked->evident) {
@@ -177,6 +175,7 @@ void ObjectTable::take_group(const MotionGroup& group, Tracked& tracked) {
   tracked.group = group.count;
   tracked.body = group.body;
   tracked.box = {group.centre_m, group.size_m};
+  tracked.own_rectangle = group.rectangle;
   tracked.evidence = add_evidence(tracked.evidence, group.evidence);
   if (is_of_limb(group, tracked)) return;
   tracked.object.velocity_mps = group.velocity_mps;

@@ -106,9 +106,9 @@ bool ObjectTable::are_near(const Box& a, const Box& b, double sigma_m) const {
 }
 
 // What rests behind both shows between them: they are two.
-bool ObjectTable::are_seen_past(std::span<const PointSample> points, const Tracked& a,
-                                const Tracked& b) {
-  const PixelRect gap = gap_between(a.own_rectangle, b.own_rectangle);
+bool ObjectTable::are_seen_past(std::span<const PointSample> points, const Shape& a,
+                                const Shape& b) {
+  const PixelRect gap = gap_between(a.rectangle, b.rectangle);
   const auto far_side_m = [](const Box& box) { return box.centre_m.z() + 0.5 * box.size_m.z(); };
   const double behind_m = std::max(far_side_m(a.box), far_side_m(b.box)) + kPastDepth_m;
   const auto shows = std::count_if(points.begin(), points.end(), [&](const PointSample& point) {
@@ -148,7 +148,7 @@ bool ObjectTable::hangs_on(const Eigen::Vector3d& position_m, const Box& trunk,
 
 void ObjectTable::move_on(const StereoCamera& camera, Nanoseconds exposure,
                           const Eigen::Isometry3d& T_current_previous) {
-  elapsed_s_ = to_seconds(exposure - now_);
+  const double elapsed_s = to_seconds(exposure - now_);
   now_ = exposure;
   is_slow_ = false;
   lost_.move_on(exposure, T_current_previous);
@@ -156,18 +156,18 @@ void ObjectTable::move_on(const StereoCamera& camera, Nanoseconds exposure,
   for (Tracked& tracked : objects_) {
     MovingObject& object = tracked.object;
     const Eigen::Vector3d before_m = object.position_m;
-    object.position_m = T_current_previous * (before_m + elapsed_s_ * object.velocity_mps);
+    object.position_m = T_current_previous * (before_m + elapsed_s * object.velocity_mps);
     tracked.box.centre_m =
-        T_current_previous * (tracked.box.centre_m + elapsed_s_ * object.velocity_mps);
+        T_current_previous * (tracked.box.centre_m + elapsed_s * object.velocity_mps);
     object.velocity_mps = R * object.velocity_mps;
     object.angular_velocity_radps = R * object.angular_velocity_radps;
     tracked.manoeuvre.rotate(R);
-    doubt(to_seconds(now_ - tracked.last_evidence), object);
+    doubt(elapsed_s, to_seconds(now_ - tracked.last_evidence), object);
     object.position_covariance_m2 = R * object.position_covariance_m2 * R.transpose();
     object.velocity_covariance_m2ps2 = R * object.velocity_covariance_m2ps2 * R.transpose();
     set_speed(object);
     object.rectangle = carried(camera, object.rectangle, before_m, object.position_m);
-    object.age_s = to_seconds(now_ - tracked.first);
+    object.age_s = to_seconds(now_ - tracked.first_seen);
     object.points = 0;
     tracked.evident = false;
     tracked.by_limbs = false;
@@ -175,13 +175,12 @@ void ObjectTable::move_on(const StereoCamera& camera, Nanoseconds exposure,
 }
 
 // The longer unseen, the less is known: an error of velocity adds up, and things manoeuvre.
-void ObjectTable::doubt(double unseen_s, MovingObject& object) const {
-  const double before_s = std::max(0.0, unseen_s - elapsed_s_);
+void ObjectTable::doubt(double elapsed_s, double unseen_s, MovingObject& object) const {
+  const double before_s = std::max(0.0, unseen_s - elapsed_s);
   object.position_covariance_m2 +=
       (unseen_s * unseen_s - before_s * before_s) * object.velocity_covariance_m2ps2;
   const double a_mps2 = config_.acceleration_mps2 + config_.manoeuvre_hz * object.speed_mps;
-  object.velocity_covariance_m2ps2.diagonal().array() +=
-      a_mps2 * a_mps2 * kManoeuvre_s * elapsed_s_;
+  object.velocity_covariance_m2ps2.diagonal().array() += a_mps2 * a_mps2 * kManoeuvre_s * elapsed_s;
 }
 
 void ObjectTable::miss(const TrackSet& tracks) {
@@ -209,15 +208,18 @@ void ObjectTable::forget_lost() {
 }
 
 void ObjectTable::remember(const Tracked& tracked) {
+  lost_.give_back(tracked.object.id);
   if (!tracked.confirmed || !is_finite(tracked.object)) return;
   lost_.remember({.id = tracked.object.id,
-                  .centre_m = tracked.box.centre_m,
-                  .velocity_mps = tracked.object.velocity_mps,
+                  .first_seen = tracked.first_seen,
                   .last_seen = tracked.last_evidence,
-                  .stopped = tracked.object.state == ObjectState::kStopped});
+                  .centre_m = tracked.box.centre_m,
+                  .velocity_mps = tracked.object.velocity_mps});
 }
 
 void ObjectTable::predict(const TrackSet& tracks, const Egomotion& motion) {
+  if (motion.reset_count != reset_count_) lost_.clear();  // where they are now is not known
+  reset_count_ = motion.reset_count;
   move_on(tracks.camera, tracks.exposure, motion.T_previous_current.inverse());
   owners_.swap(previous_owners_);
   track_ids_.swap(previous_track_ids_);
@@ -282,7 +284,9 @@ void ObjectTable::absorb_parts(const StereoCamera& camera, std::span<const Point
       const double sigma_m = std::sqrt(older->object.position_covariance_m2(2, 2) +
                                        younger.object.position_covariance_m2(2, 2));
       if (!older->evident || !younger.evident || !are_near(older->box, younger.box, sigma_m) ||
-          !move_as_one(older->object, younger.object) || are_seen_past(points, *older, younger))
+          !move_as_one(older->object, younger.object) ||
+          are_seen_past(points, {older->box, older->own_rectangle},
+                        {younger.box, younger.own_rectangle}))
         return false;
       std::replace(owners_.begin(), owners_.end(), younger.object.id, older->object.id);
       older->confirmed = older->confirmed || younger.confirmed;
@@ -300,7 +304,7 @@ void ObjectTable::absorb_parts(const StereoCamera& camera, std::span<const Point
 bool ObjectTable::moves_with_owner(std::size_t track, const Eigen::Vector3d& velocity_mps,
                                    const Eigen::Matrix3d& covariance_m2ps2) const {
   const auto owner = std::find_if(objects_.begin(), objects_.end(), [&](const Tracked& tracked) {
-    return tracked.confirmed && !tracked.swings && tracked.object.age_s >= kKnown_s &&
+    return tracked.confirmed && !tracked.swings && to_seconds(now_ - tracked.first) >= kKnown_s &&
            tracked.object.id == owners_[track];
   });
   if (owner == objects_.end()) return false;
@@ -373,8 +377,9 @@ void ObjectTable::measure_place(const StereoCamera& camera, std::span<const Poin
   const Members outline = without_stray(camera, points, outline_of(points, seen, tracked), z_m);
   // Points come and go, most of all on somebody who walks: the outline does not as fast.
   const PixelRect now = rectangle_of(points, outline);
-  object.rectangle =
-      tracked.confirmed ? shrunk(object.rectangle, now, std::exp(-elapsed_s_ / kOutline_s)) : now;
+  const double kept = std::exp(-to_seconds(now_ - tracked.outlined) / kOutline_s);
+  object.rectangle = tracked.confirmed ? shrunk(object.rectangle, now, kept) : now;
+  tracked.outlined = now_;
   tracked.own_rectangle = rectangle_of(points, members_);
   object.extent_m = extent_of(points, outline);
   object.points = static_cast<int>(members_.size());

@@ -61,6 +61,10 @@ class ObjectTable {
     Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
     Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
   };
+  struct Shape {
+    Box box;
+    PixelRect rectangle;
+  };
   // An object this old is surely none that repeated texture feigns.
   static constexpr double kKnown_s = 1.0;
 
@@ -72,7 +76,9 @@ class ObjectTable {
     MovingObject object;  // its velocity is the filters': parts of one body are behind alike
     Velocity latest;      // by its last pairs, too: what is told
     Manoeuvre manoeuvre;
-    Nanoseconds first{0};
+    Nanoseconds first_seen{0};  // whoever has its name
+    Nanoseconds first{0};       // since it was lost, if it was
+    Nanoseconds outlined{0};    // when its rectangle was measured last
     Nanoseconds last_evidence{0};
     Nanoseconds last_velocity{0};  // when points had it
     int pairs = 0;                 // with evidence
@@ -90,18 +96,18 @@ class ObjectTable {
 
   // `sigma_m`: of how far apart they are along the line of sight.
   [[nodiscard]] bool are_near(const Box& a, const Box& b, double sigma_m) const;
-  [[nodiscard]] bool stands_apart(const MotionGroup& group, const Tracked& tracked) const;
-  [[nodiscard]] static bool are_seen_past(std::span<const PointSample> points, const Tracked& a,
-                                          const Tracked& b);
+  [[nodiscard]] bool stands_apart(std::span<const PointSample> points, const MotionGroup& group,
+                                  const Tracked& tracked) const;
+  [[nodiscard]] static bool are_seen_past(std::span<const PointSample> points, const Shape& a,
+                                          const Shape& b);
   void move_on(const StereoCamera& camera, Nanoseconds exposure,
                const Eigen::Isometry3d& T_current_previous);
-  void doubt(double unseen_s, MovingObject& object) const;
+  void doubt(double elapsed_s, double unseen_s, MovingObject& object) const;
   [[nodiscard]] Tracked* by_tracks(std::span<const PointSample> points, Members members);
   [[nodiscard]] Tracked* by_place(const MotionGroup& group);
   [[nodiscard]] bool carries_on(std::span<const PointSample> points, Members members,
                                 const Tracked* tracked) const;
   [[nodiscard]] double least_purity() const;
-  [[nodiscard]] std::int64_t name_for(const MotionGroup& group);
   [[nodiscard]] Tracked* create(const StereoCamera& camera, std::span<const PointSample> points,
                                 const MotionGroup& group, const MotionGroups& finder);
   [[nodiscard]] static Box joined(const Box& a, const Box& b);
@@ -140,7 +146,6 @@ class ObjectTable {
   const MovingObjectsConfig config_;
   const ObjectGates gates_;
   Nanoseconds now_{0};
-  double elapsed_s_ = 0.0;  // since the pair before
   bool is_slow_ = false;
   std::vector<Tracked> objects_;
   std::vector<std::int64_t> owners_;  // parallel to TrackSet::tracks
@@ -152,6 +157,7 @@ class ObjectTable {
   std::vector<Grouper::Index> trunk_;
   std::vector<Grouper::Index> outline_;
   LostObjects lost_;
+  std::uint32_t reset_count_ = 0;
   std::int64_t last_id_ = 0;
 };
 

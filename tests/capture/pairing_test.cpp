@@ -63,7 +63,6 @@ TEST(LivePairing, TakesNoNextRightImageForTheFirstOneThatIsLate) {
   EXPECT_EQ(second->right->slot, 1U);
 }
 
-// Every second left image and every fifth right one is lost: the left ones come 67 ms apart.
 // Of both cameras the second image is lost: what is known of the interval is twice the true one.
 TEST(LivePairing, TakesNoImageOfTheNextFrameByAnIntervalThatIsTooLong) {
   LivePairing pairing(0.0);
@@ -73,6 +72,7 @@ TEST(LivePairing, TakesNoImageOfTheNextFrameByAnIntervalThatIsTooLong) {
   EXPECT_FALSE(pairing.decide()->is_accepted);
 }
 
+// Every second left image and every fifth right one is lost: the left ones come 67 ms apart.
 TEST(LivePairing, TakesNoImageOfTheFrameBeforeWhileManyAreLost) {
   LivePairing pairing(0.0);
   int accepted = 0;

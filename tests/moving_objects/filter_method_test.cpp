@@ -266,6 +266,28 @@ TEST_F(Filter, OutlineOutlastsItsPointsForAMoment) {
   EXPECT_LT(width_px(), 0.65F * before_px) << "it is known to be gone after a second";
 }
 
+// Where it was thought to be while it was hidden is no outline.
+TEST_F(Filter, OutlineIsNoPredictionOfOneThatWasHidden) {
+  rest_rig();
+  world.add_background(300);
+  world.add_box(40, {-1.0, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.5, 0.0, 0.0});
+  int pair = 0;
+  for (; pair < 45; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  const auto width_px = [this] {
+    const PixelRect& r = objects.objects.front().rectangle;
+    return r.u_max_px - r.u_min_px;
+  };
+  const float before_px = width_px();
+  for (std::size_t i = 300; i < 340; ++i) world.points[i].at_start_m.y() += 50.0;
+  turn(pair, 300, {0.25, 0.0, 0.0});
+  for (; pair < 90; ++pair) run(pair);
+  for (std::size_t i = 300; i < 340; ++i) world.points[i].at_start_m.y() -= 50.0;
+  while (moving() == 0 && pair < 110) run(pair++);
+  ASSERT_EQ(moving(), 1);
+  EXPECT_LT(width_px(), 1.2F * before_px);
+}
+
 // Longer than objects coast: it is told no more, and has its name when it comes out.
 TEST_F(Filter, NameOutlastsThreeSecondsOutOfSight) {
   rest_rig();

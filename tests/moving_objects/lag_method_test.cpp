@@ -86,7 +86,7 @@ TEST_F(Lag, WorksAtOneHertz) {
   EXPECT_EQ(moving(), 1);
 }
 
-TEST_F(Lag, IdentityStaysWithItsTracksAndIsNeverReused) {
+TEST_F(Lag, IdentityStaysWithItsTracksAndIsNobodyElses) {
   world.rate_hz = 10.0;
   realistic_noise();
   world.rig_yaw_rate_radps = 0.0;

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "egomod/core/geometry.hpp"
 #include "synthetic_tracks.hpp"
 
 namespace egomod {
@@ -60,12 +61,15 @@ struct UnderAFloor {
 
   UnderAFloor() {
     group.position_m = {0.5, 2.0, 5.0};
-    for (int i = 0; i < 30; ++i) {
-      PointSample point;
-      point.stands = true;
-      point.position_m = {0.1 * (i - 15), i % 2 == 0 ? 0.45 : -0.5, 3.0 + 0.2 * i};
-      points.push_back(point);
-    }
+    group.rectangle = {350.0F, 420.0F, 400.0F, 450.0F};
+    for (const double z_m : {1.1, 1.15, 1.2, 4.0, 5.0, 6.0}) add({0.0, 0.45, z_m});
+  }
+  void add(const Eigen::Vector3d& position_m) {
+    PointSample point;
+    point.stands = true;
+    point.position_m = position_m;
+    point.pixel_px = project(kCamera, position_m).head<2>();
+    points.push_back(point);
   }
   [[nodiscard]] bool lies_under_ground() const { return egomod::lies_under_ground(group, points); }
 };
@@ -80,17 +84,15 @@ TEST(Ground, WhatStandsOnItMoves) {
 
 TEST(Ground, IsAsLowAsWhatRestsThere) {
   UnderAFloor beside_stairs;
-  for (int i = 0; i < 3; ++i) beside_stairs.points.at(10 + i).position_m.y() = 2.2;
+  for (int i = 0; i < 3; ++i) beside_stairs.add({0.0, 2.2, 5.0});
   EXPECT_FALSE(beside_stairs.lies_under_ground());
 }
 
-TEST(Ground, IsUnknownWhereHardlyAnythingRests) {
-  UnderAFloor sparse;
-  sparse.points.resize(15);
-  EXPECT_FALSE(sparse.lies_under_ground());
-  UnderAFloor far;
-  for (PointSample& point : far.points) point.position_m.z() += 10.0;
-  EXPECT_FALSE(far.lies_under_ground());
+// A low mover on a floor without texture, below all that rests.
+TEST(Ground, IsUnknownWhereNothingNearerIsSeenBelow) {
+  UnderAFloor plain;
+  for (PointSample& point : plain.points) point.pixel_px.y() = 300.0;
+  EXPECT_FALSE(plain.lies_under_ground());
 }
 
 TEST(UnseenBorder, IsNoneAboveTheFloor) {

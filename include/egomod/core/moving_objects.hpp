@@ -37,7 +37,7 @@ struct PixelRect {
 // A group of tracks that move as one. Position and velocity in left camera axes of this pair;
 // velocity is relative to the static world, at `position_m`.
 struct MovingObject {
-  std::int64_t id = 0;  // > 0, never another object's
+  std::int64_t id = 0;  // > 0, never reused; one that was lost may come back
   ObjectState state = ObjectState::kTentative;
   double age_s = 0.0;
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
