@@ -290,6 +290,7 @@ void ObjectTable::absorb_parts(const StereoCamera& camera, std::span<const Point
         return false;
       std::replace(owners_.begin(), owners_.end(), younger.object.id, older->object.id);
       older->confirmed = older->confirmed || younger.confirmed;
+      lost_.give_back(younger.object.id);
       return true;
     };
     const auto parts = std::remove_if(older + 1, objects_.end(), is_part);
@@ -377,7 +378,8 @@ void ObjectTable::measure_place(const StereoCamera& camera, std::span<const Poin
   const Members outline = without_stray(camera, points, outline_of(points, seen, tracked), z_m);
   // Points come and go, most of all on somebody who walks: the outline does not as fast.
   const PixelRect now = rectangle_of(points, outline);
-  const double kept = std::exp(-to_seconds(now_ - tracked.outlined) / kOutline_s);
+  const double passed_s = std::max(0.0, to_seconds(now_ - tracked.outlined));
+  const double kept = std::exp(-passed_s / kOutline_s);
   object.rectangle = tracked.confirmed ? shrunk(object.rectangle, now, kept) : now;
   tracked.outlined = now_;
   tracked.own_rectangle = rectangle_of(points, members_);
