@@ -33,6 +33,24 @@ TEST_F(Filter, TwoThatWereTakenForOneAreToldApart) {
   EXPECT_EQ(moving(), 2);
 }
 
+// Something nearer hides its middle: nothing behind it shows there.
+TEST_F(Filter, OneWhoseMiddleIsHiddenStaysOne) {
+  rest_rig();
+  world.add_background(300, 9.0, 12.0);
+  world.add_box(40, {-0.75, 0.1, 5.0}, {0.6, 0.5, 0.4}, {0.0, 0.0, 0.4});
+  world.add_box(40, {0.75, 0.1, 5.0}, {0.6, 0.5, 0.4}, {0.0, 0.0, 0.4});
+  world.add_box(40, {0.0, 0.1, 5.0}, {1.0, 0.5, 0.4}, {0.0, 0.0, 0.4});
+  int pair = 0;
+  for (; pair < 40; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  for (std::size_t i = 0; i < world.points.size(); ++i) {
+    Eigen::Vector3d& at_m = world.points[i].at_start_m;
+    if (i >= 380 || (i < 300 && std::abs(at_m.x()) < 0.12 * at_m.z())) at_m.y() += 50.0;
+  }
+  for (; pair < 60; ++pair) run(pair);
+  EXPECT_EQ(moving(), 1);
+}
+
 TEST_F(Filter, OverlappingObjectsAreSplitByVelocity) {
   world.add_background(300);
   world.add_box(30, {0.0, 0.1, 5.0}, {0.4, 0.5, 0.4}, {0.5, 0.0, 0.0});
