@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is still known of an object while it is hidden, or rests, and after.
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <cstdint>
+
+#include "filter_fixture.hpp"
+
+namespace egomod {
+namespace {
+
+// A box that crosses at 0.5 m/s before a rig at rest, known after a second.
+class Crossing : public Filter {
+ protected:
+  Crossing() {
+    rest_rig();
+    world.add_background(kFirst);
+    world.add_box(40, {-1.0, 0.1, 5.0}, {0.5, 0.5, 0.4}, {0.5, 0.0, 0.0});
+  }
+  void SetUp() override {
+    pass_until(30);
+    ASSERT_EQ(moving(), 1);
+    id = box().id;
+    width_before_px = width_px();
+  }
+  void pass_until(int end) {
+    for (; pair < end; ++pair) run(pair);
+  }
+  [[nodiscard]] const MovingObject& box() const { return objects.objects.front(); }
+  [[nodiscard]] float width_px() const {
+    return box().rectangle.u_max_px - box().rectangle.u_min_px;
+  }
+  void shift(const Eigen::Vector3d& by_m) {
+    for (std::size_t i = kFirst; i < world.points.size(); ++i) world.points[i].at_start_m += by_m;
+  }
+  void hide() { shift({0.0, kOutOfView_m, 0.0}); }
+  void show() { shift({0.0, -kOutOfView_m, 0.0}); }
+  void expect_its_name() const {
+    ASSERT_EQ(moving(), 1);
+    EXPECT_EQ(box().id, id);
+  }
+  void expect_another_name() const {
+    ASSERT_EQ(moving(), 1);
+    EXPECT_NE(box().id, id);
+  }
+
+  static constexpr std::size_t kFirst = 300;  // of its points
+  static constexpr double kOutOfView_m = 50.0;
+  int pair = 0;
+  std::int64_t id = 0;
+  float width_before_px = 0.0F;
+};
+
+TEST_F(Crossing, OutlastsOneSecondOutOfSight) {
+  hide();
+  MovingObject before;
+  for (; pair < 60; ++pair) {
+    run(pair);
+    ASSERT_EQ(objects.objects.size(), 1U);
+    if (pair == 32) before = box();
+    EXPECT_TRUE(pair < 32 || box().state == ObjectState::kCoasting);
+    if (pair <= 32) continue;
+    // The longer unseen, the less is known.
+    EXPECT_GT(box().position_covariance_m2.trace(), before.position_covariance_m2.trace());
+    EXPECT_GT(box().speed_sigma_mps, before.speed_sigma_mps);
+    before = box();
+  }
+  show();
+  pass_until(75);
+  expect_its_name();
+}
+
+// Half of a known object's points lost at once are half of the object hidden or out of features.
+TEST_F(Crossing, OutlineOutlastsItsPointsForAMoment) {
+  for (std::size_t i = kFirst; i < world.points.size(); ++i) {
+    Eigen::Vector3d& at_start_m = world.points[i].at_start_m;
+    if (at_start_m.x() > -1.0) at_start_m.y() += kOutOfView_m;
+  }
+  run(pair++);
+  ASSERT_EQ(moving(), 1);
+  EXPECT_GT(width_px(), 0.8F * width_before_px);
+  pass_until(60);
+  ASSERT_EQ(moving(), 1);
+  EXPECT_LT(width_px(), 0.65F * width_before_px) << "it is known to be gone after a second";
+}
+
+// Where it was thought to be while it was hidden is no outline.
+TEST_F(Crossing, OutlineIsNoPrediction) {
+  hide();
+  turn(pair, kFirst, {0.25, 0.0, 0.0});
+  pass_until(75);
+  show();
+  while (moving() == 0 && pair < 95) run(pair++);
+  ASSERT_EQ(moving(), 1);
+  EXPECT_LT(width_px(), 1.2F * width_before_px);
+}
+
+// Longer than objects coast: it is told no more, and has its name when it comes out.
+TEST_F(Crossing, NameOutlastsThreeSecondsOutOfSight) {
+  hide();
+  pass_until(120);
+  ASSERT_TRUE(objects.objects.empty());
+  show();
+  pass_until(135);
+  expect_its_name();
+  EXPECT_NEAR(box().age_s, world.time_s(134), 0.2) << "since it was first seen";
+}
+
+TEST_F(Crossing, NameOutlastsALongStop) {
+  turn(pair, kFirst, {0.0, 0.0, 0.0});
+  pass_until(200);
+  ASSERT_TRUE(objects.objects.empty());
+  turn(pair, kFirst, {0.0, 0.0, -0.5});
+  pass_until(230);
+  expect_its_name();
+}
+
+TEST_F(Crossing, WhoComesOutElsewhereHasAnotherName) {
+  hide();
+  pass_until(120);
+  show();
+  shift({0.0, 0.0, 5.0});
+  pass_until(145);
+  expect_another_name();
+}
+
+TEST_F(Crossing, NameIsForgottenWithAReset) {
+  turn(pair, kFirst, {0.0, 0.0, 0.0});
+  pass_until(120);
+  ASSERT_TRUE(objects.objects.empty());
+  turn(pair, kFirst, {0.0, 0.0, -0.5});
+  for (; pair < 150; ++pair) {
+    const TrackSet tracks = world.tracks(pair);
+    Egomotion motion = world.motion(tracks, pair);
+    motion.reset_count = 1;
+    detector.detect(tracks, motion, objects);
+  }
+  expect_another_name();
+}
+
+TEST_F(Crossing, StopIsSeenAndStartIsSeenAgain) {
+  turn(pair, kFirst, {0.0, 0.0, 0.0});
+  pass_until(45);
+  ASSERT_EQ(count(ObjectState::kStopped), 1);
+  EXPECT_EQ(box().speed_mps, 0.0);
+  EXPECT_LT(box().motion_probability, 0.1);
+  EXPECT_GE(box().points, 3);
+  const Eigen::Vector3d place_m = box().position_m;
+  pass_until(55);
+  ASSERT_EQ(count(ObjectState::kStopped), 1);
+  EXPECT_LT((box().position_m - place_m).norm(), 0.02) << "it stays there";
+  turn(pair, kFirst, {0.5, 0.0, 0.0});
+  pass_until(70);
+  expect_its_name();
+}
+
+}  // namespace
+}  // namespace egomod
