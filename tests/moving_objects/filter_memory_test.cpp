@@ -107,6 +107,22 @@ TEST_F(Crossing, NameOutlastsThreeSecondsOutOfSight) {
   EXPECT_NEAR(box().age_s, world.time_s(134), 0.2) << "since it was first seen";
 }
 
+// It shows for a moment, too short to be told as moving.
+TEST_F(Crossing, NameOutlastsAGlimpse) {
+  hide();
+  pass_until(110);
+  show();
+  while (objects.objects.empty() && pair < 120) run(pair++);
+  ASSERT_EQ(count(ObjectState::kTentative), 1);
+  EXPECT_EQ(box().id, id);
+  hide();
+  pass_until(135);
+  ASSERT_TRUE(objects.objects.empty());
+  show();
+  pass_until(150);
+  expect_its_name();
+}
+
 TEST_F(Crossing, NameOutlastsALongStop) {
   turn(pair, kFirst, {0.0, 0.0, 0.0});
   pass_until(200);
