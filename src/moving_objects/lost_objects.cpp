@@ -13,7 +13,7 @@ constexpr double kStoppedMemory_s = 60.0;
 // From where its velocity has brought it, growing with the time unseen up to the most.
 constexpr double kReach_m = 0.5;
 constexpr double kReachGrowth_mps = 0.6;
-constexpr double kMostReach_m = 1.5;
+constexpr double kMostReach_m = 2.0;
 // By so much its velocity may have become another one, likewise; but it has not turned round.
 constexpr double kTurn_mps = 0.3;
 constexpr double kTurnShare = 0.1;  // of the speed

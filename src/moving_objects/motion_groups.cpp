@@ -372,6 +372,12 @@ void MotionGroups::find_echoes(const StereoCamera& camera,
   }
 }
 
+std::size_t MotionGroups::body_of(std::span<const PointSample> points, Members members) const {
+  const auto first =
+      std::find_if(members.begin(), members.end(), [&](auto i) { return points[i].moves; });
+  return first == members.end() ? bodies_.size() : body_of_[*first];
+}
+
 void MotionGroups::name_leaders() {
   is_led_.assign(bodies_.size(), false);
   for (MotionGroup& group : groups_) {

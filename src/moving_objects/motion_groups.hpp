@@ -119,6 +119,10 @@ class MotionGroups {
     return Members(body_members_).subspan(body.first, body.count);
   }
 
+  // Place in `bodies` of the one that the first of them that moves is part of; the number of bodies
+  // if none does.
+  [[nodiscard]] std::size_t body_of(std::span<const PointSample> points, Members members) const;
+
   static constexpr std::size_t kLeastPoints = 3;
   // Of what hangs below or stands above, by that of what is beside.
   static constexpr double kUprightReach = 2.25;

@@ -10,10 +10,13 @@
 namespace egomod {
 namespace {
 
+constexpr double kKnown_s = 1.0;
+constexpr std::ptrdiff_t kConfirmedWeight = 2;
 constexpr double kReclaimDistance_m = 0.5;  // an object without tracks is found again this near,
 constexpr double kReclaimDrift_mps = 0.3;   // growing with the time that it was unseen,
 constexpr double kReclaimSpeed_mps = 0.3;   // at a velocity this similar
 constexpr double kReclaimSpeedShare = 0.1;
+constexpr double kGoOnChi2 = 25.0;   // of a point's velocity against that of the others
 constexpr double kLeapPurity = 0.8;  // of what opens an object over a long interval
 constexpr std::size_t kLimbRatio = 2;
 constexpr double kLimbWidth_m = 0.3;
@@ -34,21 +37,26 @@ ObjectTable::Tracked* ObjectTable::by_tracks(std::span<const PointSample> points
     const std::ptrdiff_t shared = std::count_if(members.begin(), members.end(), [&](auto i) {
       return owners_[points[i].track] == tracked.object.id;
     });
-    if (shared > best_shared) {
+    // A part that was found beside what is confirmed becomes part of that.
+    const std::ptrdiff_t weight = tracked.confirmed ? kConfirmedWeight * shared : shared;
+    if (weight > best_shared) {
       best = &tracked;
-      best_shared = shared;
+      best_shared = weight;
     }
   }
   return best;
 }
 
+bool ObjectTable::is_known(const Tracked& tracked) const {
+  return tracked.confirmed && to_seconds(now_ - tracked.first) >= kKnown_s;
+}
+
 // What has been known for an object for some time becomes no echo of what it passes.
 bool ObjectTable::carries_on(std::span<const PointSample> points, Members members,
-                             const Tracked* tracked) const {
-  if (tracked == nullptr || !tracked->confirmed || to_seconds(now_ - tracked->first) < kKnown_s)
-    return false;
+                             const Tracked& tracked) const {
+  if (!is_known(tracked)) return false;
   const auto own = std::count_if(members.begin(), members.end(), [&](auto i) {
-    return owners_[points[i].track] == tracked->object.id;
+    return owners_[points[i].track] == tracked.object.id;
   });
   return 2 * own > static_cast<std::ptrdiff_t>(members.size());
 }
@@ -60,7 +68,11 @@ ObjectTable::Tracked* ObjectTable::by_place(const MotionGroup& group) {
     if (tracked.evident) continue;
     const double unseen_s = to_seconds(now_ - tracked.last_evidence);
     const double off_m = (tracked.box.centre_m - group.centre_m).norm();
-    const bool at_place = off_m < kReclaimDistance_m + kReclaimDrift_mps * unseen_s;
+    const double sigma_m = std::sqrt(2.0 * tracked.object.position_covariance_m2(2, 2));
+    // Of what is large another side may be seen.
+    const bool at_place =
+        off_m < kReclaimDistance_m + kReclaimDrift_mps * unseen_s ||
+        (is_known(tracked) && are_near(tracked.box, {group.centre_m, group.size_m}, sigma_m));
     // What has stopped may set off at any speed.
     const bool at_speed = tracked.object.state == ObjectState::kStopped ||
                           (tracked.object.velocity_mps - group.velocity_mps).norm() <
@@ -77,11 +89,10 @@ ObjectTable::Tracked* ObjectTable::by_place(const MotionGroup& group) {
 // has been known for some time: an arm or a leg.
 bool ObjectTable::is_limb(const MotionGroup& group) const {
   return std::any_of(objects_.begin(), objects_.end(), [&](const Tracked& tracked) {
-    const bool is_thin =
-        group.size_m.x() < kLimbWidth_m && to_seconds(now_ - tracked.first) > kKnown_s;
+    const bool is_thin = group.size_m.x() < kLimbWidth_m;
     const bool is_seen = to_seconds(now_ - tracked.last_evidence) < kLimbMemory_s;
     const auto trunk = trunk_in(tracked.box);
-    if (is_thin && is_seen && tracked.confirmed && trunk &&
+    if (is_thin && is_seen && is_known(tracked) && trunk &&
         hangs_on(group.centre_m, *trunk, kLimbSwing_m))
       return true;
     return tracked.evident && tracked.body == group.body &&
@@ -114,6 +125,7 @@ ObjectTable::Tracked* ObjectTable::create(const StereoCamera& camera,
   Tracked tracked;
   tracked.swings = swings;
   const auto lost = lost_.take(group.centre_m, group.velocity_mps);
+  if (lost) std::erase_if(objects_, [&](const Tracked& t) { return t.object.id == lost->id; });
   tracked.object.id = lost ? lost->id : ++last_id_;
   tracked.first_seen = lost ? lost->first_seen : now_;
   tracked.object.position_m = group.position_m;
@@ -134,32 +146,85 @@ bool ObjectTable::stands_apart(std::span<const PointSample> points, const Motion
          are_seen_past(points, {tracked.box, tracked.own_rectangle}, {box, group.rectangle});
 }
 
+// Of what its tracks lead to first: who has come back, or is new, is found among the rest.
 void ObjectTable::associate(const StereoCamera& camera, std::span<const PointSample> points,
                             const MotionGroups& finder, std::span<const MotionGroup> groups,
                             bool is_slow) {
   is_slow_ = is_slow;
+  const auto counts = [&](const MotionGroup& group) {
+    return !group.slides && group.velocity_mps.norm() >= gates_.min_speed_mps;
+  };
   for (const MotionGroup& group : groups) {
-    if (group.slides || group.velocity_mps.norm() < gates_.min_speed_mps) continue;
+    if (!counts(group)) continue;
     const Members members = finder.members(group);
     Tracked* tracked = by_tracks(points, members);
-    if ((group.echoes || group.slips) && !carries_on(points, members, tracked)) continue;
-    if (tracked == nullptr) tracked = by_place(group);
-    const bool is_apart = tracked != nullptr && stands_apart(points, group, *tracked);
-    if (tracked == nullptr || is_apart) tracked = create(camera, points, group, finder);
-    if (is_apart && tracked == nullptr) {
-      for (const auto i : members) owners_[points[i].track] = 0;
-    }
     if (tracked == nullptr) continue;
-    if (!tracked->evident) {
-      take_group(group, *tracked);
-    } else if (!tracked->swings) {
-      tracked->box = joined(tracked->box, {group.centre_m, group.size_m});
+    if ((group.echoes || group.slips) && !carries_on(points, members, *tracked)) continue;
+    if (stands_apart(points, group, *tracked)) {
+      tracked = create(camera, points, group, finder);
+      if (tracked == nullptr) disown(points, members);
     }
-    for (const auto i : members) owners_[points[i].track] = tracked->object.id;
+    if (tracked != nullptr) join(points, members, group, *tracked);
+  }
+  for (Tracked& tracked : objects_) {
+    if (!tracked.evident && tracked.confirmed && !tracked.swings)
+      go_on_by_tracks(points, finder, tracked);
+  }
+  for (const MotionGroup& group : groups) {
+    if (!counts(group) || group.echoes || group.slips) continue;
+    const Members members = finder.members(group);
+    if (by_tracks(points, members) != nullptr) continue;
+    Tracked* tracked = by_place(group);
+    if (tracked == nullptr) tracked = create(camera, points, group, finder);
+    if (tracked != nullptr) join(points, members, group, *tracked);
   }
   for (Tracked& tracked : objects_) {
     if (tracked.swings) adopt_limbs(camera, points, tracked);
   }
+}
+
+void ObjectTable::disown(std::span<const PointSample> points, Members members) {
+  for (const auto i : members) owners_[points[i].track] = 0;
+}
+
+void ObjectTable::join(std::span<const PointSample> points, Members members,
+                       const MotionGroup& group, Tracked& tracked) {
+  if (!tracked.evident) {
+    take_group(group, tracked);
+  } else if (!tracked.swings) {
+    tracked.box = joined(tracked.box, {group.centre_m, group.size_m});
+  }
+  for (const auto i : members) owners_[points[i].track] = tracked.object.id;
+}
+
+// Who sets off or turns is not where its points were due, which say nothing of motion by themselves
+// for a while, or is at different velocities by them, since each has a past of its own. They are
+// still its own, do not rest, and most of them agree.
+void ObjectTable::go_on_by_tracks(std::span<const PointSample> points, const MotionGroups& finder,
+                                  Tracked& tracked) {
+  std::size_t own = 0;
+  members_.clear();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (owners_[points[i].track] != tracked.object.id) continue;
+    ++own;
+    if (points[i].chi2 > kMovingChi2 && !points[i].stands)
+      members_.push_back(static_cast<Grouper::Index>(i));
+  }
+  const auto least = static_cast<std::size_t>(config_.min_points);
+  if (members_.size() < least) return;
+  const double rho = config_.error_correlation;
+  const Eigen::Vector3d rough_mps = weighted_velocity(points, members_, rho).velocity_mps;
+  std::erase_if(members_, [&](auto i) { return velocity_chi2(points[i], rough_mps) >= kGoOnChi2; });
+  if (members_.size() < least || 2 * members_.size() < own) return;
+  const MeanVelocity mean = weighted_velocity(points, members_, rho);
+  tracked.evident = true;
+  tracked.group = members_.size();
+  tracked.body = finder.body_of(points, members_);
+  tracked.box = {centre_of(points, members_), extent_of(points, members_)};
+  tracked.own_rectangle = rectangle_of(points, members_);
+  tracked.object.velocity_mps = mean.velocity_mps;
+  tracked.object.velocity_covariance_m2ps2 = mean.covariance_m2ps2;
+  lost_.erase(tracked.object.id);
 }
 
 // Whose velocity was known a moment ago does not leap: an arm or a leg does.
@@ -177,6 +242,7 @@ void ObjectTable::take_group(const MotionGroup& group, Tracked& tracked) {
   tracked.box = {group.centre_m, group.size_m};
   tracked.own_rectangle = group.rectangle;
   tracked.evidence = add_evidence(tracked.evidence, group.evidence);
+  if (tracked.confirmed) lost_.erase(tracked.object.id);
   if (is_of_limb(group, tracked)) return;
   tracked.object.velocity_mps = group.velocity_mps;
   tracked.object.velocity_covariance_m2ps2 = group.velocity_covariance_m2ps2;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "egomod/core/geometry.hpp"
+#include "egomod/moving_objects/evidence_gates.hpp"
 #include "moving_objects/body_motion.hpp"
 #include "moving_objects/group_shape.hpp"
 #include "moving_objects/recent_motion.hpp"
@@ -305,8 +306,7 @@ void ObjectTable::absorb_parts(const StereoCamera& camera, std::span<const Point
 bool ObjectTable::moves_with_owner(std::size_t track, const Eigen::Vector3d& velocity_mps,
                                    const Eigen::Matrix3d& covariance_m2ps2) const {
   const auto owner = std::find_if(objects_.begin(), objects_.end(), [&](const Tracked& tracked) {
-    return tracked.confirmed && !tracked.swings && to_seconds(now_ - tracked.first) >= kKnown_s &&
-           tracked.object.id == owners_[track];
+    return is_known(tracked) && !tracked.swings && tracked.object.id == owners_[track];
   });
   if (owner == objects_.end()) return false;
   const Eigen::Vector3d off = velocity_mps - owner->object.velocity_mps;
@@ -342,7 +342,8 @@ Members ObjectTable::outline_of(std::span<const PointSample> points, Members see
   if (!trunk) return members_;
   outline_.assign(members_.begin(), members_.end());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!points[i].moves || points[i].left_only || owners_[points[i].track] != 0) continue;
+    const bool moves = points[i].moves && points[i].chi2 > kMovingAloneChi2;
+    if (!moves || points[i].left_only || owners_[points[i].track] != 0) continue;
     if (hangs_on(points[i].position_m, *trunk, kLegSpan_m))
       outline_.push_back(static_cast<Grouper::Index>(i));
   }
@@ -462,6 +463,7 @@ void ObjectTable::coast(const StereoCamera& camera, std::span<const PointSample>
   if (!tracked.confirmed) return;
   object.state = stopped ? ObjectState::kStopped : ObjectState::kCoasting;
   if (stopped) rest(camera, points, tracked);
+  remember(tracked);
 }
 
 // It is where its points stand, and has their doubt about their velocity, but none itself.

@@ -65,8 +65,6 @@ class ObjectTable {
     Box box;
     PixelRect rectangle;
   };
-  // An object this old is surely none that repeated texture feigns.
-  static constexpr double kKnown_s = 1.0;
 
   struct Velocity {
     Eigen::Vector3d mps = Eigen::Vector3d::Zero();
@@ -94,6 +92,8 @@ class ObjectTable {
     PixelRect own_rectangle;  // of its members, without what hangs on them
   };
 
+  // It is surely none that repeated texture feigns.
+  [[nodiscard]] bool is_known(const Tracked& tracked) const;
   // `sigma_m`: of how far apart they are along the line of sight.
   [[nodiscard]] bool are_near(const Box& a, const Box& b, double sigma_m) const;
   [[nodiscard]] bool stands_apart(std::span<const PointSample> points, const MotionGroup& group,
@@ -106,7 +106,12 @@ class ObjectTable {
   [[nodiscard]] Tracked* by_tracks(std::span<const PointSample> points, Members members);
   [[nodiscard]] Tracked* by_place(const MotionGroup& group);
   [[nodiscard]] bool carries_on(std::span<const PointSample> points, Members members,
-                                const Tracked* tracked) const;
+                                const Tracked& tracked) const;
+  void disown(std::span<const PointSample> points, Members members);
+  void join(std::span<const PointSample> points, Members members, const MotionGroup& group,
+            Tracked& tracked);
+  void go_on_by_tracks(std::span<const PointSample> points, const MotionGroups& finder,
+                       Tracked& tracked);
   [[nodiscard]] double least_purity() const;
   [[nodiscard]] Tracked* create(const StereoCamera& camera, std::span<const PointSample> points,
                                 const MotionGroup& group, const MotionGroups& finder);

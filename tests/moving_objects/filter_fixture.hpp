@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 
 #include "egomod/moving_objects/moving_object_detector.hpp"
 #include "synthetic_tracks.hpp"
@@ -41,6 +42,12 @@ class Filter : public ::testing::Test {
                                           [&](const auto& o) { return o.state == state; }));
   }
   [[nodiscard]] int moving() const { return count(ObjectState::kMoving); }
+  // Of the first one that is MOVING; 0 when none is.
+  [[nodiscard]] std::int64_t moving_id() const {
+    const auto object = std::find_if(objects.objects.begin(), objects.objects.end(),
+                                     [](const auto& o) { return o.state == ObjectState::kMoving; });
+    return object == objects.objects.end() ? 0 : object->id;
+  }
   // Time from the start of the world to the first MOVING; 1000 when there is none by `limit_s`.
   double delay_s(double limit_s) {
     for (int pair = 0; world.time_s(pair) <= limit_s; ++pair) {

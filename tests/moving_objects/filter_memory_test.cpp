@@ -2,6 +2,7 @@
 // What is still known of an object while it is hidden, or rests, and after.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -38,11 +39,11 @@ class Crossing : public Filter {
   void show() { shift({0.0, -kOutOfView_m, 0.0}); }
   void expect_its_name() const {
     ASSERT_EQ(moving(), 1);
-    EXPECT_EQ(box().id, id);
+    EXPECT_EQ(moving_id(), id);
   }
   void expect_another_name() const {
     ASSERT_EQ(moving(), 1);
-    EXPECT_NE(box().id, id);
+    EXPECT_NE(moving_id(), id);
   }
 
   static constexpr std::size_t kFirst = 300;  // of its points
@@ -132,6 +133,54 @@ TEST_F(Crossing, NameOutlastsALongStop) {
   expect_its_name();
 }
 
+// Whoever turned while hidden may be somebody else, too: the name is kept, the proof asked anew.
+TEST_F(Crossing, WhoTurnedWhileItCoastsHasItsNameAndProvesItself) {
+  hide();
+  turn(pair, kFirst, {0.35, 0.0, 0.45});
+  pass_until(75);
+  ASSERT_EQ(count(ObjectState::kCoasting), 1);
+  show();
+  bool was_tentative = false;
+  for (; pair < 95; ++pair) {
+    run(pair);
+    ASSERT_EQ(objects.objects.size(), 1U) << "pair " << pair;
+    EXPECT_EQ(box().id, id);
+    was_tentative = was_tentative || box().state == ObjectState::kTentative;
+  }
+  EXPECT_TRUE(was_tentative);
+  expect_its_name();
+}
+
+TEST_F(Crossing, WhoseCoastingEndsWithAGlimpseIsNotForgotten) {
+  hide();
+  turn(pair, kFirst, {0.35, 0.0, 0.45});
+  pass_until(75);
+  show();
+  while (count(ObjectState::kTentative) == 0 && pair < 85) run(pair++);
+  ASSERT_EQ(count(ObjectState::kTentative), 1);
+  hide();
+  pass_until(110);
+  ASSERT_TRUE(objects.objects.empty());
+  show();
+  pass_until(125);
+  expect_its_name();
+}
+
+// Its points are not where they were due, and say nothing of a velocity of theirs for a while.
+TEST_F(Crossing, ThatSetsOffFastGoesOn) {
+  world.pixel_sigma = 0.06;
+  world.disparity_sigma_px = 0.08;
+  shift({0.0, 0.0, -1.5});
+  pass_until(60);
+  expect_its_name();
+  for (const double away_mps : {0.07, 0.14, 0.21, 0.28, 0.35, 0.42, 0.5, 0.57, 0.64, 0.71, 0.8}) {
+    turn(pair, kFirst, {0.5, 0.0, away_mps});
+    run(pair++);
+    ASSERT_EQ(moving(), 1) << "pair " << pair;
+  }
+  expect_its_name();
+}
+
 TEST_F(Crossing, WhoComesOutElsewhereHasAnotherName) {
   hide();
   pass_until(120);
@@ -169,6 +218,35 @@ TEST_F(Crossing, StopIsSeenAndStartIsSeenAgain) {
   turn(pair, kFirst, {0.5, 0.0, 0.0});
   pass_until(70);
   expect_its_name();
+}
+
+// Of something large another side is seen, before or behind what was.
+TEST_F(Filter, AnotherSideOfWhatIsLargeIsTheSameObject) {
+  rest_rig();
+  world.add_background(300);
+  world.add_box(40, {-1.2, 0.1, 4.0}, {1.2, 1.0, 0.1}, {0.5, 0.0, 0.0});
+  world.add_box(40, {-1.2, 50.1, 5.0}, {0.2, 1.0, 0.1}, {0.5, 0.0, 0.0});
+  for (int pair = 0; pair < 45; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  const std::int64_t id = moving_id();
+  for (std::size_t i = 300; i < 380; ++i) world.points[i].at_start_m.y() += i < 340 ? 50.0 : -50.0;
+  for (int pair = 45; pair < 60; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  EXPECT_EQ(moving_id(), id);
+}
+
+// Who comes out beside somebody takes no name that the other has again.
+TEST_F(Crossing, OneOfTwoThatComeOutHasItsName) {
+  hide();
+  world.add_box(30, {0.0, 0.1 + kOutOfView_m, 5.0}, {0.5, 0.5, 0.4}, {0.5, 0.0, 0.0});
+  pass_until(66);
+  ASSERT_EQ(count(ObjectState::kCoasting), 1);
+  show();
+  pass_until(80);
+  ASSERT_EQ(moving(), 2);
+  EXPECT_EQ(std::count_if(objects.objects.begin(), objects.objects.end(),
+                          [this](const auto& object) { return object.id == id; }),
+            1);
 }
 
 }  // namespace

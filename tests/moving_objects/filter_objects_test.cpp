@@ -86,6 +86,30 @@ TEST_F(Filter, IslandsOfOneLargeBodyAreOneObject) {
 }
 
 // Near enough for their size to be islands of one body, but what rests behind shows between them.
+// Its other end was found while the middle was not seen yet.
+TEST_F(Filter, PartFoundBesideWhatIsConfirmedJoinsIt) {
+  rest_rig();
+  world.add_background(300);
+  const Eigen::Vector3d velocity_mps{0.5, 0.0, 0.0};
+  const Eigen::Vector3d size_m{0.3, 0.5, 0.1};
+  const Eigen::Vector3d hidden_m{0.0, 50.0, 0.0};
+  world.add_box(10, {-1.4, 0.1, 4.0}, size_m, velocity_mps);
+  world.add_box(15, hidden_m + Eigen::Vector3d(-0.4, 0.1, 4.0), size_m, velocity_mps);
+  world.add_box(10, hidden_m + Eigen::Vector3d(-0.9, 0.1, 4.0), {0.6, 0.5, 0.1}, velocity_mps);
+  const auto show = [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) world.points[i].at_start_m -= hidden_m;
+  };
+  for (int pair = 0; pair < 20; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  const std::int64_t id = moving_id();
+  show(310, 325);
+  run(20);
+  show(325, 335);
+  for (int pair = 21; pair < 30; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  EXPECT_EQ(moving_id(), id);
+}
+
 TEST_F(Filter, TwoThatAreSeenPastStayTwo) {
   world.add_background(600, 9.0, 12.0);
   world.add_box(60, {-0.5, 0.1, 5.0}, {0.5, 1.6, 0.4}, {0.0, 0.0, 0.4});

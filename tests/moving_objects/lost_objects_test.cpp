@@ -63,8 +63,8 @@ TEST_F(Lost, IsNotWhoComesTheOtherWay) {
 TEST_F(Lost, IsNobodyFarAwayOrFarFasterHoweverLongItWasUnseen) {
   lost.remember(crossing());
   pass(3.9);
-  EXPECT_EQ(at({1.45, 0.0, 6.4}), 7);
-  EXPECT_EQ(at({1.45, 0.0, 6.6}), 0);
+  EXPECT_EQ(at({1.45, 0.0, 6.9}), 7);
+  EXPECT_EQ(at({1.45, 0.0, 7.1}), 0);
   EXPECT_EQ(at({1.45, 0.0, 5.0}, {1.6, 0.0, 0.0}), 0);
 }
 
