@@ -12,7 +12,7 @@ namespace {
 
 // The filters are ready for manoeuvres at any time. While a body makes none, their velocities err
 // by this share of the variance that they say; what a manoeuvre adds is `Manoeuvre`'s.
-constexpr double kSteadyShare = 0.04;
+constexpr double kSteadyShare = 0.034;
 // What the points of a surface err by together is an error of the disparity, and along the ray: of
 // the variances across it this share is left.
 constexpr double kAcrossShare = 0.35;
@@ -46,6 +46,12 @@ Equations equations_of(std::span<const PointSample> points, Members members,
   return e;
 }
 
+double mean_agility(std::span<const PointSample> points, Members members) {
+  double sum = 0.0;
+  for (const auto i : members) sum += points[i].agility_m2ps3;
+  return sum / static_cast<double>(members.size());
+}
+
 Eigen::Matrix3d with_share_across(const Eigen::Matrix3d& C, const Eigen::Vector3d& at_m) {
   const double across = std::sqrt(kAcrossShare);
   const Eigen::Vector3d ray = at_m.normalized();
@@ -62,9 +68,12 @@ BodyMotion fit_body_motion(std::span<const PointSample> points, Members members,
   // 1/K of independent errors becomes rho + (1 - rho)/K.
   const double weight = 1.0 / (kSteadyShare * static_cast<double>(members.size()) *
                                mean_variance_factor(members.size(), correlation));
+  BodyMotion body;
+  if (const double agility_m2ps3 = mean_agility(points, members); agility_m2ps3 > 0.0)
+    body.lag_s = static_cast<double>(members.size()) / agility_m2ps3 *
+                 e.information.topLeftCorner<3, 3>().inverse();
   e.information *= weight;
   e.weighted *= weight;
-  BodyMotion body;
   const Eigen::Matrix3d mean_covariance = e.information.topLeftCorner<3, 3>().inverse();
   body.velocity_mps = mean_covariance * e.weighted.head<3>();
   body.velocity_covariance_m2ps2 = with_share_across(mean_covariance, at_m);

@@ -9,12 +9,19 @@
 
 namespace egomod {
 
+inline constexpr double kUsualLag_s = 0.15;  // of filters nearby, and where nothing tells
+
 // How a rigid body moves, relative to the static world, in the axes of its points.
 struct BodyMotion {
   Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();  // of the body where it is at `at_m`
   Eigen::Matrix3d velocity_covariance_m2ps2 =
       Eigen::Matrix3d::Zero();  // while it goes on as it does
   Eigen::Vector3d angular_velocity_radps = Eigen::Vector3d::Zero();
+  // By what time the velocity is behind where it changes steadily, symmetric. A filter that follows
+  // a constant velocity with acceleration noise of density q, and has come to rest at the variance
+  // P of its velocity, is P/q behind (Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with
+  // Applications to Tracking and Navigation, 2001, section 6.5, in the limit of small intervals).
+  Eigen::Matrix3d lag_s = kUsualLag_s * Eigen::Matrix3d::Identity();
 };
 
 // Least squares over the points' velocities, v_i = v + w x (P_i - at), each weighted by its inverse

@@ -12,6 +12,12 @@ inline constexpr double kLeastEvidence = -6.0;
 inline constexpr double kMostEvidence = 25.0;
 inline constexpr double kMostPerPair = 6.0;  // evidence: no single measurement convinces
 
+// How long an acceleration lasts: the moving model's velocity gathers variance by its square and
+// this. A manoeuvre shows as misfit before it shows in the velocity, and raises the acceleration.
+inline constexpr double kAccelerationTime_s = 1.0 / 30.0;
+inline constexpr double kFittingChi2 = 3.0;
+inline constexpr double kMostAgility = 6.0;
+
 // Symmetric 3x3 matrices are their lower triangle, row by row.
 using Lanes = double[kFilterLanes];
 

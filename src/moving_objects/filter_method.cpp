@@ -245,6 +245,14 @@ void FilterMethod::measure_left(const StereoCamera& camera, const RowTiming& row
   measure(camera, rows, guessed, at);
 }
 
+// As the kernels add it to the variance of a velocity.
+double FilterMethod::agility_m2ps3(const FilterBlock& filters, std::size_t lane) const {
+  const double speed_mps = vector_of(filters.velocity, lane).norm();
+  const double a_mps2 = std::clamp(filters.misfit[lane] / kFittingChi2, 1.0, kMostAgility) *
+                        (config_.acceleration_mps2 + config_.manoeuvre_hz * speed_mps);
+  return a_mps2 * a_mps2 * kAccelerationTime_s;
+}
+
 PointSample FilterMethod::sample(FilterSlot at) const {
   const std::size_t lane = at.lane;
   const FilterBlock& filters = filters_.filters(at);
@@ -261,6 +269,7 @@ PointSample FilterMethod::sample(FilterSlot at) const {
   const Nanoseconds learnt{filters.seen_ns[lane] - filters.fresh_ns[lane]};
   point.stood = filters.stood[lane] != 0.0 && to_seconds(learnt) >= kLeastRest_s;
   point.learnt_s = point.stood ? 0.0 : to_seconds(learnt);
+  point.agility_m2ps3 = agility_m2ps3(filters, lane);
   point.chi2 = points.chi2[lane];
   point.evidence = evidence;
   point.motion_probability = logistic(evidence);

@@ -41,6 +41,7 @@ class FilterMethod {
   void measure_left(const StereoCamera& camera, const RowTiming& rows, const Track& track,
                     FilterSlot at);
   void learn_noise(const StereoCamera& camera, const Track& track, FilterSlot at);
+  [[nodiscard]] double agility_m2ps3(const FilterBlock& filters, std::size_t lane) const;
   [[nodiscard]] PointSample sample(FilterSlot at) const;
   // How it went over its last pairs.
   void recall(const StereoCamera& camera, FilterSlot at, PointSample& point);

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moving_objects/manoeuvre.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 namespace egomod {
 namespace {
 
-constexpr double kMemory_s = 0.15;  // about what a point's filter lags behind
+constexpr double kMemory_s = kUsualLag_s;
+constexpr double kMostLag_s = 1.0;
+constexpr double kLeadError = 0.6;  // of the steady lead
 constexpr double kUnrestMemory_s = 0.5;
 // Of the mean squares of changes: what is left of the error along them, and what there is of it in
 // any direction, since a point's depth and its way across the image are measured together.
@@ -25,8 +28,8 @@ constexpr double kAgeing = 2.0;  // in the time that it took
 
 }  // namespace
 
-void Manoeuvre::follow(const Eigen::Vector3d& velocity_mps, Nanoseconds now,
-                       const MotionStart& start) {
+void Manoeuvre::follow(const BodyMotion& body, Nanoseconds now, const MotionStart& start) {
+  const Eigen::Vector3d& velocity_mps = body.velocity_mps;
   const bool anew = now_ < Nanoseconds{0} || to_seconds(now - now_) > kUnrestMemory_s;
   const double elapsed_s = anew ? 0.0 : to_seconds(now - now_);
   now_ = now;
@@ -41,6 +44,7 @@ void Manoeuvre::follow(const Eigen::Vector3d& velocity_mps, Nanoseconds now,
   trend_mps_ -= std::expm1(-elapsed_s / kUnrestMemory_s) * (change_mps_ - trend_mps_);
   unrest_m2ps2_ -= std::expm1(-elapsed_s / kUnrestMemory_s) *
                    (change_mps_ * change_mps_.transpose() - unrest_m2ps2_);
+  lead_ = steady_lead(body);
 }
 
 void Manoeuvre::rotate(const Eigen::Matrix3d& R_to_from) {
@@ -48,24 +52,55 @@ void Manoeuvre::rotate(const Eigen::Matrix3d& R_to_from) {
   change_mps_ = R_to_from * change_mps_;
   trend_mps_ = R_to_from * trend_mps_;
   unrest_m2ps2_ = R_to_from * unrest_m2ps2_ * R_to_from.transpose();
+  lead_.axes = R_to_from * lead_.axes;
 }
 
 Eigen::Vector3d Manoeuvre::lead_mps() const { return kLeadShare * change_mps_; }
 
 Eigen::Vector3d Manoeuvre::steady_lead_mps() const {
-  const double unrest_m2ps2 = unrest_m2ps2_.trace();
-  if (unrest_m2ps2 <= 0.0) return Eigen::Vector3d::Zero();
-  const double share = trend_mps_.squaredNorm() / unrest_m2ps2;
-  return std::clamp((share - kTrendOfNoise) / (1.0 - kTrendOfNoise), 0.0, 1.0) * trend_mps_;
+  return lead_.axes * (lead_.share * lead_.full_mps).matrix();
 }
 
+// The noise of a filtered velocity lasts as long as its lag: of the lead, which multiplies what
+// changes in a shorter time, there is more the longer that is.
+Manoeuvre::SteadyLead Manoeuvre::steady_lead(const BodyMotion& body) const {
+  SteadyLead lead;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(body.lag_s);
+  lead.axes = solver.eigenvectors();
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const Eigen::Vector3d axis = lead.axes.col(k);
+    const double lag_s = std::clamp(solver.eigenvalues()[k], kMemory_s, kMostLag_s);
+    const double trend_mps = axis.dot(trend_mps_);
+    const double unrest_m2ps2 = axis.dot(unrest_m2ps2_ * axis);
+    lead.full_mps[k] = lag_s / kMemory_s * trend_mps;
+    lead.noise_m2ps2[k] =
+        2.0 * lag_s / kUnrestMemory_s * axis.dot(body.velocity_covariance_m2ps2 * axis);
+    const double square_m2ps2 = lead.full_mps[k] * lead.full_mps[k];
+    if (square_m2ps2 <= lead.noise_m2ps2[k]) continue;
+    const double goes_on =
+        (trend_mps * trend_mps / unrest_m2ps2 - kTrendOfNoise) / (1.0 - kTrendOfNoise);
+    lead.share[k] = std::clamp(goes_on, 0.0, 1.0) * (1.0 - lead.noise_m2ps2[k] / square_m2ps2);
+  }
+  return lead;
+}
+
+// What is led is no unrest any more, but the lead errs itself.
 Eigen::Matrix3d Manoeuvre::covariance_m2ps2() const {
   const Eigen::Vector3d velocity_mps = slow_mps_ + change_mps_;
   const double age_s = to_seconds(now_ - begun_);
   const double behind = kBehind * kBehind * start_.stood_share * std::exp(-2.0 * age_s / kMemory_s);
-  const Eigen::Matrix3d along = change_mps_ * change_mps_.transpose() + unrest_m2ps2_ +
-                                behind * velocity_mps * velocity_mps.transpose();
-  return kAlongShare * along + kAcrossShare * along.trace() * Eigen::Matrix3d::Identity();
+  const Eigen::Vector3d led_mps =
+      lead_.axes * lead_.share.matrix().asDiagonal() * lead_.axes.transpose() * trend_mps_;
+  const auto square = [](const Eigen::Vector3d& x) -> Eigen::Matrix3d { return x * x.transpose(); };
+  const Eigen::Matrix3d along = square(change_mps_ - led_mps) + unrest_m2ps2_ - square(trend_mps_) +
+                                square(trend_mps_ - led_mps) + behind * square(velocity_mps);
+  const Eigen::Array3d share = lead_.share;
+  const Eigen::Vector3d of_lead =
+      (share * (1.0 - share) + kLeadError * kLeadError * share.square()) * lead_.full_mps.square() +
+      share.square() * lead_.noise_m2ps2;
+  return kAlongShare * along + kAcrossShare * along.trace() * Eigen::Matrix3d::Identity() +
+         lead_.axes * of_lead.asDiagonal() * lead_.axes.transpose();
 }
 
 // What stood has come to its velocity since, from nothing.

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "egomod/core/time.hpp"
+#include "moving_objects/body_motion.hpp"
 
 namespace egomod {
 
@@ -18,13 +19,14 @@ struct MotionStart {
 class Manoeuvre {
  public:
   // The velocity as measured in this pair; the first one, or one long after the last, starts anew.
-  void follow(const Eigen::Vector3d& velocity_mps, Nanoseconds now, const MotionStart& start = {});
+  void follow(const BodyMotion& body, Nanoseconds now, const MotionStart& start = {});
   // To other axes.
   void rotate(const Eigen::Matrix3d& R_to_from);
 
   [[nodiscard]] Eigen::Vector3d lead_mps() const;  // to be added to the velocity
-  // Beyond it, by what the filters are behind of a velocity that goes on to change alike: for what
-  // is told only, since the parts of a body are behind alike.
+  // Beyond it, by what the filters are behind of a velocity that goes on to change alike, as far as
+  // that stands out of the noise: for what is told only, since the parts of a body are behind
+  // alike.
   [[nodiscard]] Eigen::Vector3d steady_lead_mps() const;
   [[nodiscard]] Eigen::Matrix3d covariance_m2ps2() const;
   // What it may well do now.
@@ -39,9 +41,19 @@ class Manoeuvre {
   [[nodiscard]] double youth() const;
 
  private:
+  // Along axes of its own, those of the lag: far away it is long along the line of sight.
+  struct SteadyLead {
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  // columns
+    Eigen::Array3d full_mps = Eigen::Array3d::Zero();    // what all of the trend makes
+    Eigen::Array3d share = Eigen::Array3d::Zero();       // of that which is led
+    Eigen::Array3d noise_m2ps2 = Eigen::Array3d::Zero();
+  };
+  [[nodiscard]] SteadyLead steady_lead(const BodyMotion& body) const;
+
   Nanoseconds now_{-1};
   Nanoseconds begun_{-1};
   MotionStart start_;
+  SteadyLead lead_;
   Eigen::Vector3d slow_mps_ = Eigen::Vector3d::Zero();      // the velocity, of late
   Eigen::Vector3d change_mps_ = Eigen::Vector3d::Zero();    // from there to this pair's
   Eigen::Vector3d trend_mps_ = Eigen::Vector3d::Zero();     // mean of changes

@@ -429,7 +429,7 @@ void ObjectTable::measure_motion(std::span<const PointSample> points, Members me
   const BodyMotion body =
       fit_body_motion(points, trunk, object.position_m, config_.error_correlation);
   Manoeuvre& manoeuvre = tracked.manoeuvre;
-  manoeuvre.follow(body.velocity_mps, now_, start_of(points, trunk));
+  manoeuvre.follow(body, now_, start_of(points, trunk));
   object.velocity_mps = body.velocity_mps + manoeuvre.lead_mps();
   object.angular_velocity_radps = body.angular_velocity_radps;
   Eigen::Matrix3d manoeuvres_m2ps2 = manoeuvre.covariance_m2ps2();

@@ -46,7 +46,9 @@ struct PointSample {
   const RecentVelocities* recent = nullptr;  // of what moves; lives as long as this pair
   double learnt_s = 0.0;  // for how long that has been learnt, of what moves; 0: since it stood
   bool stood = false;     // when it began to be
-  double chi2 = 0.0;      // of the displacement under "static", 3 degrees of freedom
+  // Spectral density of the acceleration that its filter is ready for; 0: it is not filtered.
+  double agility_m2ps3 = 0.0;
+  double chi2 = 0.0;  // of the displacement under "static", 3 degrees of freedom
   double motion_probability = 0.0;
   double evidence = 0.0;  // log likelihood ratio, moving over static
   bool moves = false;

@@ -56,6 +56,19 @@ TEST(BodyMotion, SeesABodyTurnAndKeepsItsVelocityWhereItWasAsked) {
   EXPECT_LT((motion.velocity_mps - body.velocity_mps).norm(), 1e-3);
 }
 
+TEST(BodyMotion, IsBehindByTheVarianceOfItsPointsOverTheirAgility) {
+  const Body body;
+  std::vector<PointSample> points = points_on(body, 12, 0.0);
+  EXPECT_TRUE(fit(points, body).lag_s.isApprox(kUsualLag_s * Eigen::Matrix3d::Identity()));
+  for (PointSample& point : points) {
+    point.velocity_covariance_m2ps2.diagonal() = Eigen::Vector3d(4e-4, 4e-4, 4e-3);
+    point.agility_m2ps3 = 5e-3;
+  }
+  // One centimetre a second on top, by which points of one body may differ.
+  const Eigen::Vector3d lag_s{0.1, 0.1, 0.82};
+  EXPECT_TRUE(fit(points, body).lag_s.isApprox(Eigen::Matrix3d(lag_s.asDiagonal()), 1e-6));
+}
+
 TEST(BodyMotion, TakesNoiseForNoTurn) {
   const Body body;
   for (std::uint32_t seed = 1; seed <= 100; ++seed) {

@@ -404,5 +404,24 @@ TEST_F(Filter, PointOfNoObjectIsToldAsMovingOnlyIfItSurelyDoes) {
   EXPECT_TRUE(mover_moves(45));
 }
 
+// Far away the filters are behind by most of a second along the line of sight.
+TEST_F(Filter, VelocityThatGrowsFarAwayIsNotFarBehind) {
+  world.rig_yaw_rate_radps = 0.0;
+  world.add_background(300);
+  world.add_box(40, {0.0, 0.2, 6.0}, {0.6, 0.6, 0.3}, {0.05, 0.0, 0.4});
+  double error_mps = 0.0;
+  constexpr int kEnd = 180;
+  constexpr int kCounted = 60;
+  for (int pair = 0; pair < kEnd; ++pair) {
+    const Eigen::Vector3d velocity_mps{0.05, 0.0, 0.4 + 0.1 * world.time_s(pair)};
+    turn(pair, 300, velocity_mps);
+    run(pair);
+    if (pair < kEnd - kCounted) continue;
+    ASSERT_EQ(moving(), 1) << "pair " << pair;
+    error_mps += (objects.objects.front().velocity_mps.z() - velocity_mps.z()) / kCounted;
+  }
+  EXPECT_NEAR(error_mps, 0.0, 0.02);
+}
+
 }  // namespace
 }  // namespace egomod
