@@ -30,8 +30,15 @@ constexpr double kSureSigmas = 4.0;
 constexpr double kLeastFormalSigmas = 3.0;  // a track's errors last for some pairs
 constexpr double kSettledS = 2.0;
 constexpr double kToKeep = 0.5;  // of both
+// A turn that sets off or ends at once is no line through three pairs.
+constexpr double kJerkRadps = 0.1;
 // The velocity between pairs is a line only nearly.
 constexpr double kModelError = 0.07;  // of the readout
+
+// What of two slopes they have in common (minmod of P. L. Roe, 1986).
+double of_both(double a, double b) {
+  return a * b <= 0.0 ? 0.0 : std::copysign(std::min(std::abs(a), std::abs(b)), a);
+}
 
 }  // namespace
 
@@ -44,6 +51,10 @@ void PairVelocity::keep(const Vector6d& mean_velocity) {
 Vector6d PairVelocity::after(const Vector6d& mean_velocity) const {
   if (count_ == 0) return mean_velocity;
   if (count_ == 1) return 1.5 * mean_velocity - 0.5 * kept_[0];
+  const Vector6d last = mean_velocity - kept_[0];
+  const Vector6d before = kept_[0] - kept_[1];
+  if ((last - before).tail<3>().norm() > kJerkRadps)
+    return mean_velocity + 0.5 * last.binaryExpr(before, &of_both);
   return (13.0 * mean_velocity + 4.0 * kept_[0] - 5.0 * kept_[1]) / 12.0;
 }
 

@@ -43,6 +43,8 @@ constexpr double kPerStoodS = 8.0;
 constexpr double kMostStoodS = 3.0;
 constexpr double kStoodFadesS = 4.0;
 constexpr double kSurelyAcross = 0.5;
+// Apart by so much, a motion is seen in any pair if it is there: half a pixel at 20 m and more.
+constexpr double kToldByOnePairM = 0.02;
 constexpr double kLeverM = 3.0;  // of turns, where velocities are compared
 
 double score(const Support& support) {
@@ -72,7 +74,9 @@ bool RivalFinder::find(const TrackSet& tracks, const Solution& estimate,
   rival.preferred = rival.against_map = false;
   is_measured_ = false;
   found_ = search(tracks, estimate, roles, map, noise_scale, prior, rival);
-  if (!found_ && was_found && lingers(tracks, map)) {
+  const Vector6d velocity = velocity_of(estimate.T_previous_current, prior.dt_s);
+  const bool tells = velocity_distance(past_.other, velocity) * prior.dt_s > kToldByOnePairM;
+  if (!found_ && was_found && !tells && lingers(tracks, map)) {
     rival.solution = last_;
     rival.solution.T_previous_current = motion_of(past_.other, prior.dt_s);
     found_ = true;

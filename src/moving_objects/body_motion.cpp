@@ -46,10 +46,15 @@ Equations equations_of(std::span<const PointSample> points, Members members,
   return e;
 }
 
-double mean_agility(std::span<const PointSample> points, Members members) {
-  double sum = 0.0;
-  for (const auto i : members) sum += points[i].agility_m2ps3;
-  return sum / static_cast<double>(members.size());
+// Harmonic, as the mean of the covariances is: one point that misfits does not speak for the
+// others. 0 where a point is not filtered.
+double mean_agility_m2ps3(std::span<const PointSample> points, Members members) {
+  double inverse = 0.0;
+  for (const auto i : members) {
+    if (!(points[i].agility_m2ps3 > 0.0)) return 0.0;
+    inverse += 1.0 / points[i].agility_m2ps3;
+  }
+  return static_cast<double>(members.size()) / inverse;
 }
 
 Eigen::Matrix3d with_share_across(const Eigen::Matrix3d& C, const Eigen::Vector3d& at_m) {
@@ -69,7 +74,7 @@ BodyMotion fit_body_motion(std::span<const PointSample> points, Members members,
   const double weight = 1.0 / (kSteadyShare * static_cast<double>(members.size()) *
                                mean_variance_factor(members.size(), correlation));
   BodyMotion body;
-  if (const double agility_m2ps3 = mean_agility(points, members); agility_m2ps3 > 0.0)
+  if (const double agility_m2ps3 = mean_agility_m2ps3(points, members); agility_m2ps3 > 0.0)
     body.lag_s = static_cast<double>(members.size()) / agility_m2ps3 *
                  e.information.topLeftCorner<3, 3>().inverse();
   e.information *= weight;

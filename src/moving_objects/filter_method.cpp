@@ -61,7 +61,8 @@ FilterMethod::FilterMethod(const MovingObjectsConfig& config)
     : config_(config),
       noise_model_(config.noise_floor_px),
       groups_(config),
-      objects_(config, {.min_evidence = config.min_evidence,
+      objects_(config, {.moving_chi2 = kMovingChi2,
+                        .min_evidence = config.min_evidence,
                         .confirm_evidence = config.confirm_evidence,
                         .confirm_pairs = kConfirmPairs}) {
   points_.reserve(kReservedTracks);

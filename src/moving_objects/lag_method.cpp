@@ -29,6 +29,7 @@ LagMethod::LagMethod(const MovingObjectsConfig& config)
       history_(config),
       groups_(config),
       objects_(config, {.min_speed_mps = config.min_speed_mps,
+                        .moving_chi2 = config.moving_chi2,
                         .confirm_pairs = config.confirm_pairs,
                         .confirm_s = config.confirm_s}) {
   cursors_.reserve(kMostReferences);

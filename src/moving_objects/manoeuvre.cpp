@@ -10,7 +10,9 @@ namespace {
 
 constexpr double kMemory_s = kUsualLag_s;
 constexpr double kMostLag_s = 1.0;
-constexpr double kLeadError = 0.6;  // of the steady lead
+constexpr double kAlikeLags = 1.2;
+constexpr double kLeadError = 0.6;    // of the steady lead
+constexpr double kUnseenShare = 0.5;  // of what the noise leaves open, as a variance
 constexpr double kUnrestMemory_s = 0.5;
 // Of the mean squares of changes: what is left of the error along them, and what there is of it in
 // any direction, since a point's depth and its way across the image are measured together.
@@ -52,37 +54,56 @@ void Manoeuvre::rotate(const Eigen::Matrix3d& R_to_from) {
   change_mps_ = R_to_from * change_mps_;
   trend_mps_ = R_to_from * trend_mps_;
   unrest_m2ps2_ = R_to_from * unrest_m2ps2_ * R_to_from.transpose();
-  lead_.axes = R_to_from * lead_.axes;
+  lead_.mps = R_to_from * lead_.mps;
+  lead_.of_trend_mps = R_to_from * lead_.of_trend_mps;
+  lead_.covariance_m2ps2 = R_to_from * lead_.covariance_m2ps2 * R_to_from.transpose();
 }
 
 Eigen::Vector3d Manoeuvre::lead_mps() const { return kLeadShare * change_mps_; }
 
-Eigen::Vector3d Manoeuvre::steady_lead_mps() const {
-  return lead_.axes * (lead_.share * lead_.full_mps).matrix();
+Eigen::Vector3d Manoeuvre::steady_lead_mps() const { return lead_.mps; }
+
+// Far away the lag is long along the line of sight: that axis by itself, where it stands out.
+Manoeuvre::SteadyLead Manoeuvre::steady_lead(const BodyMotion& body) const {
+  SteadyLead lead;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(body.lag_s);  // ascending
+  const Eigen::Array3d lags_s = solver.eigenvalues().array().max(kMemory_s).min(kMostLag_s);
+  const Eigen::Vector3d longest = solver.eigenvectors().col(2);
+  const double others_s = 0.5 * (lags_s[0] + lags_s[1]);
+  const Eigen::Matrix3d all = Eigen::Matrix3d::Identity();
+  if (lags_s[2] < kAlikeLags * others_s) {
+    lead_along(body, all, lags_s.mean(), lead);
+  } else {
+    const Eigen::Matrix3d onto = longest * longest.transpose();
+    lead_along(body, onto, lags_s[2], lead);
+    lead_along(body, all - onto, others_s, lead);
+  }
+  return lead;
 }
 
 // The noise of a filtered velocity lasts as long as its lag: of the lead, which multiplies what
 // changes in a shorter time, there is more the longer that is.
-Manoeuvre::SteadyLead Manoeuvre::steady_lead(const BodyMotion& body) const {
-  SteadyLead lead;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(body.lag_s);
-  lead.axes = solver.eigenvectors();
-  for (Eigen::Index k = 0; k < 3; ++k) {
-    const Eigen::Vector3d axis = lead.axes.col(k);
-    const double lag_s = std::clamp(solver.eigenvalues()[k], kMemory_s, kMostLag_s);
-    const double trend_mps = axis.dot(trend_mps_);
-    const double unrest_m2ps2 = axis.dot(unrest_m2ps2_ * axis);
-    lead.full_mps[k] = lag_s / kMemory_s * trend_mps;
-    lead.noise_m2ps2[k] =
-        2.0 * lag_s / kUnrestMemory_s * axis.dot(body.velocity_covariance_m2ps2 * axis);
-    const double square_m2ps2 = lead.full_mps[k] * lead.full_mps[k];
-    if (square_m2ps2 <= lead.noise_m2ps2[k]) continue;
-    const double goes_on =
-        (trend_mps * trend_mps / unrest_m2ps2 - kTrendOfNoise) / (1.0 - kTrendOfNoise);
-    lead.share[k] = std::clamp(goes_on, 0.0, 1.0) * (1.0 - lead.noise_m2ps2[k] / square_m2ps2);
-  }
-  return lead;
+void Manoeuvre::lead_along(const BodyMotion& body, const Eigen::Matrix3d& onto, double lag_s,
+                           SteadyLead& lead) const {
+  const Eigen::Vector3d trend_mps = onto * trend_mps_;
+  const Eigen::Vector3d full_mps = lag_s / kMemory_s * trend_mps;
+  const Eigen::Matrix3d noise_m2ps2 =
+      2.0 * lag_s / kUnrestMemory_s * onto * body.velocity_covariance_m2ps2 * onto;
+  const double full2 = full_mps.squaredNorm();
+  if (!(full2 > 0.0)) return;
+  const double noise_share = std::min(1.0, noise_m2ps2.trace() / full2);
+  const double unrest_m2ps2 = (onto * unrest_m2ps2_ * onto).trace();
+  const double goes_on =
+      (trend_mps.squaredNorm() / unrest_m2ps2 - kTrendOfNoise) / (1.0 - kTrendOfNoise);
+  const double share = std::clamp(goes_on, 0.0, 1.0) * (1.0 - noise_share);
+  const double left = 1.0 - share;
+  lead.mps += share * full_mps;
+  lead.of_trend_mps += share * trend_mps;
+  lead.covariance_m2ps2 += (share * left + kUnseenShare * left * left * noise_share +
+                            kLeadError * kLeadError * share * share) *
+                               full_mps * full_mps.transpose() +
+                           share * share * noise_m2ps2;
 }
 
 // What is led is no unrest any more, but the lead errs itself.
@@ -90,17 +111,12 @@ Eigen::Matrix3d Manoeuvre::covariance_m2ps2() const {
   const Eigen::Vector3d velocity_mps = slow_mps_ + change_mps_;
   const double age_s = to_seconds(now_ - begun_);
   const double behind = kBehind * kBehind * start_.stood_share * std::exp(-2.0 * age_s / kMemory_s);
-  const Eigen::Vector3d led_mps =
-      lead_.axes * lead_.share.matrix().asDiagonal() * lead_.axes.transpose() * trend_mps_;
   const auto square = [](const Eigen::Vector3d& x) -> Eigen::Matrix3d { return x * x.transpose(); };
-  const Eigen::Matrix3d along = square(change_mps_ - led_mps) + unrest_m2ps2_ - square(trend_mps_) +
-                                square(trend_mps_ - led_mps) + behind * square(velocity_mps);
-  const Eigen::Array3d share = lead_.share;
-  const Eigen::Vector3d of_lead =
-      (share * (1.0 - share) + kLeadError * kLeadError * share.square()) * lead_.full_mps.square() +
-      share.square() * lead_.noise_m2ps2;
+  const Eigen::Matrix3d along = square(change_mps_ - lead_.of_trend_mps) + unrest_m2ps2_ -
+                                square(trend_mps_) + square(trend_mps_ - lead_.of_trend_mps) +
+                                behind * square(velocity_mps);
   return kAlongShare * along + kAcrossShare * along.trace() * Eigen::Matrix3d::Identity() +
-         lead_.axes * of_lead.asDiagonal() * lead_.axes.transpose();
+         lead_.covariance_m2ps2;
 }
 
 // What stood has come to its velocity since, from nothing.

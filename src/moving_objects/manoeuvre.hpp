@@ -41,14 +41,14 @@ class Manoeuvre {
   [[nodiscard]] double youth() const;
 
  private:
-  // Along axes of its own, those of the lag: far away it is long along the line of sight.
   struct SteadyLead {
-    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  // columns
-    Eigen::Array3d full_mps = Eigen::Array3d::Zero();    // what all of the trend makes
-    Eigen::Array3d share = Eigen::Array3d::Zero();       // of that which is led
-    Eigen::Array3d noise_m2ps2 = Eigen::Array3d::Zero();
+    Eigen::Vector3d mps = Eigen::Vector3d::Zero();
+    Eigen::Vector3d of_trend_mps = Eigen::Vector3d::Zero();  // it makes good so much of the trend
+    Eigen::Matrix3d covariance_m2ps2 = Eigen::Matrix3d::Zero();
   };
   [[nodiscard]] SteadyLead steady_lead(const BodyMotion& body) const;
+  void lead_along(const BodyMotion& body, const Eigen::Matrix3d& onto, double lag_s,
+                  SteadyLead& lead) const;
 
   Nanoseconds now_{-1};
   Nanoseconds begun_{-1};

@@ -11,6 +11,7 @@ namespace egomod {
 namespace {
 
 constexpr double kKnown_s = 1.0;
+constexpr double kLarge_m = 1.0;  // wide: no person is, nor a small robot
 constexpr std::ptrdiff_t kConfirmedWeight = 2;
 constexpr double kReclaimDistance_m = 0.5;  // an object without tracks is found again this near,
 constexpr double kReclaimDrift_mps = 0.3;   // growing with the time that it was unseen,
@@ -47,6 +48,15 @@ ObjectTable::Tracked* ObjectTable::by_tracks(std::span<const PointSample> points
   return best;
 }
 
+bool ObjectTable::is_pure(std::span<const PointSample> points, Members members,
+                          double share) const {
+  return purity_of(points, members) >= share * config_.min_purity;
+}
+
+Eigen::Vector3d ObjectTable::space_between(const Box& a, const Box& b) {
+  return ((a.centre_m - b.centre_m).cwiseAbs() - 0.5 * (a.size_m + b.size_m)).cwiseMax(0.0);
+}
+
 bool ObjectTable::is_known(const Tracked& tracked) const {
   return tracked.confirmed && to_seconds(now_ - tracked.first) >= kKnown_s;
 }
@@ -61,6 +71,14 @@ bool ObjectTable::carries_on(std::span<const PointSample> points, Members member
   return 2 * own > static_cast<std::ptrdiff_t>(members.size());
 }
 
+// Of what is large another side may be seen, as far behind the last one as it is wide.
+bool ObjectTable::is_another_side(const Tracked& tracked, const MotionGroup& group) const {
+  const Eigen::Vector3d gap_m = space_between(tracked.box, {group.centre_m, group.size_m});
+  return is_known(tracked) && tracked.object.state == ObjectState::kCoasting &&
+         tracked.width_m > kLarge_m && gap_m.head<2>().norm() < config_.neighbour_distance_m &&
+         gap_m.z() < tracked.width_m;
+}
+
 ObjectTable::Tracked* ObjectTable::by_place(const MotionGroup& group) {
   Tracked* nearest = nullptr;
   double nearest_m = std::numeric_limits<double>::infinity();
@@ -68,11 +86,8 @@ ObjectTable::Tracked* ObjectTable::by_place(const MotionGroup& group) {
     if (tracked.evident) continue;
     const double unseen_s = to_seconds(now_ - tracked.last_evidence);
     const double off_m = (tracked.box.centre_m - group.centre_m).norm();
-    const double sigma_m = std::sqrt(2.0 * tracked.object.position_covariance_m2(2, 2));
-    // Of what is large another side may be seen.
-    const bool at_place =
-        off_m < kReclaimDistance_m + kReclaimDrift_mps * unseen_s ||
-        (is_known(tracked) && are_near(tracked.box, {group.centre_m, group.size_m}, sigma_m));
+    const bool at_place = off_m < kReclaimDistance_m + kReclaimDrift_mps * unseen_s ||
+                          is_another_side(tracked, group);
     // What has stopped may set off at any speed.
     const bool at_speed = tracked.object.state == ObjectState::kStopped ||
                           (tracked.object.velocity_mps - group.velocity_mps).norm() <
@@ -117,7 +132,6 @@ ObjectTable::Tracked* ObjectTable::create(const StereoCamera& camera,
                       purity_of(points, finder.members(body)) >= config_.min_purity;
   if ((group.count < least && !swings) || is_limb(group) || group.purity < least_purity() ||
       group.recedes || group.chi2() < config_.object_chi2 || group.evidence < gates_.min_evidence ||
-      objects_.size() == kMostObjects ||
       line_motion(camera, points, finder.members(body)).along_line ||
       lies_on_unseen_border(camera, group, points) || lies_under_ground(group, points)) {
     return nullptr;
@@ -126,6 +140,10 @@ ObjectTable::Tracked* ObjectTable::create(const StereoCamera& camera,
   tracked.swings = swings;
   const auto lost = lost_.take(group.centre_m, group.velocity_mps);
   if (lost) std::erase_if(objects_, [&](const Tracked& t) { return t.object.id == lost->id; });
+  if (objects_.size() == kMostObjects) {
+    if (lost) lost_.give_back(lost->id);
+    return nullptr;
+  }
   tracked.object.id = lost ? lost->id : ++last_id_;
   tracked.first_seen = lost ? lost->first_seen : now_;
   tracked.object.position_m = group.position_m;
@@ -161,10 +179,10 @@ void ObjectTable::associate(const StereoCamera& camera, std::span<const PointSam
     if (tracked == nullptr) continue;
     if ((group.echoes || group.slips) && !carries_on(points, members, *tracked)) continue;
     if (stands_apart(points, group, *tracked)) {
-      tracked = create(camera, points, group, finder);
-      if (tracked == nullptr) disown(points, members);
+      disown(points, members);
+    } else {
+      join(points, members, group, *tracked);
     }
-    if (tracked != nullptr) join(points, members, group, *tracked);
   }
   for (Tracked& tracked : objects_) {
     if (!tracked.evident && tracked.confirmed && !tracked.swings)
@@ -197,9 +215,9 @@ void ObjectTable::join(std::span<const PointSample> points, Members members,
   for (const auto i : members) owners_[points[i].track] = tracked.object.id;
 }
 
-// Who sets off or turns is not where its points were due, which say nothing of motion by themselves
-// for a while, or is at different velocities by them, since each has a past of its own. They are
-// still its own, do not rest, and most of them agree.
+// Who sets off or turns is not where its points were due, most of which say nothing of motion by
+// themselves for a while, or is at different velocities by them, since each has a past of its own.
+// They are still its own, do not rest, and most of them agree.
 void ObjectTable::go_on_by_tracks(std::span<const PointSample> points, const MotionGroups& finder,
                                   Tracked& tracked) {
   std::size_t own = 0;
@@ -207,7 +225,7 @@ void ObjectTable::go_on_by_tracks(std::span<const PointSample> points, const Mot
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (owners_[points[i].track] != tracked.object.id) continue;
     ++own;
-    if (points[i].chi2 > kMovingChi2 && !points[i].stands)
+    if (points[i].chi2 > gates_.moving_chi2 && !points[i].stands)
       members_.push_back(static_cast<Grouper::Index>(i));
   }
   const auto least = static_cast<std::size_t>(config_.min_points);
@@ -215,8 +233,9 @@ void ObjectTable::go_on_by_tracks(std::span<const PointSample> points, const Mot
   const double rho = config_.error_correlation;
   const Eigen::Vector3d rough_mps = weighted_velocity(points, members_, rho).velocity_mps;
   std::erase_if(members_, [&](auto i) { return velocity_chi2(points[i], rough_mps) >= kGoOnChi2; });
-  if (members_.size() < least || 2 * members_.size() < own) return;
+  if (members_.size() < least || 2 * members_.size() < own || !is_pure(points, members_)) return;
   const MeanVelocity mean = weighted_velocity(points, members_, rho);
+  if (mean.velocity_mps.norm() < gates_.min_speed_mps) return;
   tracked.evident = true;
   tracked.group = members_.size();
   tracked.body = finder.body_of(points, members_);

@@ -14,12 +14,11 @@
 namespace egomod {
 namespace {
 
-constexpr std::size_t kClearPoints = 8;   // that agree over one long interval
-constexpr double kTentative_s = 0.3;      // a tentative object without evidence ends
-constexpr double kLeaveChi2 = 25.0;       // a member this far off leaves
-constexpr double kKeepPurityShare = 0.5;  // of the purity that opens an object
-constexpr double kManoeuvre_s = 1.0;      // how long an unseen one lasts
-constexpr double kPartGapShare = 0.4;     // of the larger one's size, across the line of sight
+constexpr std::size_t kClearPoints = 8;  // that agree over one long interval
+constexpr double kTentative_s = 0.3;     // a tentative object without evidence ends
+constexpr double kLeaveChi2 = 25.0;      // a member this far off leaves
+constexpr double kManoeuvre_s = 1.0;     // how long an unseen one lasts
+constexpr double kPartGapShare = 0.4;    // of the larger one's size, across the line of sight
 constexpr double kPartDepthShare = 1.0;
 constexpr double kPartSpeed_mps = 0.05;  // plus a share of the speed, 99 % and rotation
 constexpr double kPartSpeedShare = 0.03;
@@ -95,10 +94,8 @@ ObjectTable::ObjectTable(const MovingObjectsConfig& config, const ObjectGates& g
   for (auto* members : {&members_, &seen_, &trunk_, &outline_}) members->reserve(kReservedTracks);
 }
 
-// By the free space between their boxes along each axis.
 bool ObjectTable::are_near(const Box& a, const Box& b, double sigma_m) const {
-  Eigen::Vector3d gap =
-      ((a.centre_m - b.centre_m).cwiseAbs() - 0.5 * (a.size_m + b.size_m)).cwiseMax(0.0);
+  Eigen::Vector3d gap = space_between(a, b);
   gap.y() /= MotionGroups::kUprightReach;
   const double size_m = std::max(a.size_m.maxCoeff(), b.size_m.maxCoeff());
   const double width_m = std::max(a.size_m.x(), b.size_m.x());
@@ -272,8 +269,7 @@ bool ObjectTable::is_proper(std::span<const PointSample> points, const Tracked& 
                                 ? kLeastPoints
                                 : static_cast<std::size_t>(config_.min_points);
   return members_.size() >= least &&
-         purity_of(points, members_) >=
-             (tracked.by_limbs ? 1.0 : kKeepPurityShare) * config_.min_purity;
+         is_pure(points, members_, tracked.by_limbs ? 1.0 : kKeepPurityShare);
 }
 
 // A large body shows its texture in islands further apart than neighbours are: the younger of two
@@ -385,6 +381,7 @@ void ObjectTable::measure_place(const StereoCamera& camera, std::span<const Poin
   tracked.outlined = now_;
   tracked.own_rectangle = rectangle_of(points, members_);
   object.extent_m = extent_of(points, outline);
+  tracked.width_m = std::max(tracked.width_m, object.extent_m.x());
   object.points = static_cast<int>(members_.size());
   const PixelRect& r = object.rectangle;
   object.position_m = {(0.5 * (r.u_min_px + r.u_max_px) - camera.cx_px) / camera.fx_px * z_m,
@@ -482,7 +479,8 @@ void ObjectTable::rest(const StereoCamera& camera, std::span<const PointSample> 
 
 bool ObjectTable::is_lost(const Tracked& tracked) const {
   const double patience_s = tracked.confirmed ? config_.coast_s : kTentative_s;
-  return to_seconds(now_ - tracked.last_evidence) > patience_s || !is_finite(tracked.object);
+  return to_seconds(now_ - tracked.last_evidence) > patience_s || !is_finite(tracked.object) ||
+         !tracked.latest.mps.allFinite();
 }
 
 void ObjectTable::report(std::vector<MovingObject>& objects) const {

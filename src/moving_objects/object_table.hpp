@@ -21,6 +21,7 @@ namespace egomod {
 // What a group must show beyond its size and purity.
 struct ObjectGates {
   double min_speed_mps = 0.0;
+  double moving_chi2 = 0.0;  // of a point's velocity or displacement against rest
   double min_evidence = -std::numeric_limits<double>::infinity();  // to become an object
   double confirm_evidence = 0.0;  // to become MOVING, in a leaky sum over pairs
   int confirm_pairs = 1;
@@ -89,11 +90,16 @@ class ObjectTable {
     std::size_t group = 0;  // points
     std::size_t body = 0;
     Box box;
+    double width_m = 0.0;     // the most that it has been
     PixelRect own_rectangle;  // of its members, without what hangs on them
   };
 
+  static constexpr double kKeepPurityShare = 0.5;  // of the purity that opens an object
+
   // It is surely none that repeated texture feigns.
   [[nodiscard]] bool is_known(const Tracked& tracked) const;
+  // The free space between them along each axis.
+  [[nodiscard]] static Eigen::Vector3d space_between(const Box& a, const Box& b);
   // `sigma_m`: of how far apart they are along the line of sight.
   [[nodiscard]] bool are_near(const Box& a, const Box& b, double sigma_m) const;
   [[nodiscard]] bool stands_apart(std::span<const PointSample> points, const MotionGroup& group,
@@ -104,6 +110,7 @@ class ObjectTable {
                const Eigen::Isometry3d& T_current_previous);
   void doubt(double elapsed_s, double unseen_s, MovingObject& object) const;
   [[nodiscard]] Tracked* by_tracks(std::span<const PointSample> points, Members members);
+  [[nodiscard]] bool is_another_side(const Tracked& tracked, const MotionGroup& group) const;
   [[nodiscard]] Tracked* by_place(const MotionGroup& group);
   [[nodiscard]] bool carries_on(std::span<const PointSample> points, Members members,
                                 const Tracked& tracked) const;
@@ -141,6 +148,8 @@ class ObjectTable {
   void measure_motion(std::span<const PointSample> points, Members members, Tracked& tracked);
   void absorb_parts(const StereoCamera& camera, std::span<const PointSample> points);
   [[nodiscard]] bool is_proven(const Tracked& tracked) const;
+  [[nodiscard]] bool is_pure(std::span<const PointSample> points, Members members,
+                             double share = kKeepPurityShare) const;
   [[nodiscard]] bool is_proper(std::span<const PointSample> points, const Tracked& tracked) const;
   void coast(const StereoCamera& camera, std::span<const PointSample> points, Tracked& tracked);
   void rest(const StereoCamera& camera, std::span<const PointSample> points, Tracked& tracked);

@@ -117,5 +117,18 @@ TEST(Readout, TheVelocityAtAPairFollowsALine) {
   EXPECT_LT((velocity.after(mean(2.5)) - mean(3.0)).norm(), 1e-12);
 }
 
+// A turn of 0.5 rad/s that sets off half-way between two pairs.
+TEST(PairVelocity, DoesNotShootBeyondATurnThatSetsOffAtOnce) {
+  const auto yaw = [](double radps) -> Vector6d { return radps * Vector6d::Unit(4); };
+  PairVelocity velocity;
+  velocity.keep(yaw(0.0));
+  velocity.keep(yaw(0.0));
+  EXPECT_NEAR(velocity.after(yaw(0.25))[4], 0.25, 1e-12) << "nothing says how it goes on";
+  velocity.keep(yaw(0.25));
+  EXPECT_NEAR(velocity.after(yaw(0.5))[4], 0.625, 1e-12);
+  velocity.keep(yaw(0.5));
+  EXPECT_NEAR(velocity.after(yaw(0.5))[4], 0.5, 1e-12);
+}
+
 }  // namespace
 }  // namespace egomod

@@ -15,7 +15,8 @@ class RivalFinderTest : public testing::Test {
  protected:
   static constexpr double kInterval_s = 0.1;
 
-  RivalFinderTest() {
+  explicit RivalFinderTest(const Eigen::Vector3d& mover_velocity_m = {0.006, 0.0, 0.002}) {
+    world_.mover_velocity_m = mover_velocity_m;  // a pair
     tracks_ = world_.step(forward_and_left());
     for (std::size_t k = 0; k < tracks_.tracks.size(); ++k) {
       const bool moves = world_.is_mover(k);
@@ -29,9 +30,9 @@ class RivalFinderTest : public testing::Test {
 
   bool find(const std::vector<TrackRole>& roles, const std::vector<MapPoint>& map,
             double interval_s = kInterval_s) {
-    const Solution estimate{.T_previous_current = forward_and_left(),
-                            .covariance = 1e-6 * Matrix6d::Identity()};
     const VelocityState past{.y = velocity_of(forward_and_left(), kInterval_s)};
+    const Solution estimate{.T_previous_current = motion_of(past.y, interval_s),
+                            .covariance = 1e-6 * Matrix6d::Identity()};
     return finder_.find(tracks_, estimate, roles, map, 1.0, {.past = past, .dt_s = interval_s},
                         rival_);
   }
@@ -64,6 +65,17 @@ TEST_F(RivalFinderTest, StaysInDoubtWhileTheMapHasGivenUpHalfOfTheImage) {
     EXPECT_FALSE(rival_.preferred);
   }
   EXPECT_FALSE(find(all_agree_, map_)) << "the map owns all again";
+}
+
+class RivalFinderOnFastMover : public RivalFinderTest {
+ protected:
+  RivalFinderOnFastMover() : RivalFinderTest({0.15, 0.0, 0.05}) {}
+};
+
+// The map has not trusted those points again, but none moves as the rival did.
+TEST_F(RivalFinderOnFastMover, DoubtEndsWithAPairThatWouldShowIt) {
+  ASSERT_TRUE(find(roles_, map_));
+  EXPECT_FALSE(find(all_agree_, movers_given_up_));
 }
 
 TEST_F(RivalFinderTest, TheRivalGoesOnAtItsVelocityWhateverTheInterval) {

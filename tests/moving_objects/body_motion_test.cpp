@@ -69,6 +69,15 @@ TEST(BodyMotion, IsBehindByTheVarianceOfItsPointsOverTheirAgility) {
   EXPECT_TRUE(fit(points, body).lag_s.isApprox(Eigen::Matrix3d(lag_s.asDiagonal()), 1e-6));
 }
 
+TEST(BodyMotion, OnePointThatMisfitsDoesNotSpeakForItsLag) {
+  const Body body;
+  std::vector<PointSample> points = points_on(body, 12, 0.0);
+  for (PointSample& point : points) point.agility_m2ps3 = 5e-3;
+  const double lag_s = fit(points, body).lag_s(2, 2);
+  points.front().agility_m2ps3 *= 36.0;
+  EXPECT_GT(fit(points, body).lag_s(2, 2), 0.9 * lag_s);
+}
+
 TEST(BodyMotion, TakesNoiseForNoTurn) {
   const Body body;
   for (std::uint32_t seed = 1; seed <= 100; ++seed) {

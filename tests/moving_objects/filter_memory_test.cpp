@@ -224,7 +224,7 @@ TEST_F(Crossing, StopIsSeenAndStartIsSeenAgain) {
 TEST_F(Filter, AnotherSideOfWhatIsLargeIsTheSameObject) {
   rest_rig();
   world.add_background(300);
-  world.add_box(40, {-1.2, 0.1, 4.0}, {1.2, 1.0, 0.1}, {0.5, 0.0, 0.0});
+  world.add_box(40, {-1.2, 0.1, 4.0}, {1.6, 1.0, 0.1}, {0.5, 0.0, 0.0});
   world.add_box(40, {-1.2, 50.1, 5.0}, {0.2, 1.0, 0.1}, {0.5, 0.0, 0.0});
   for (int pair = 0; pair < 45; ++pair) run(pair);
   ASSERT_EQ(moving(), 1);
@@ -233,6 +233,41 @@ TEST_F(Filter, AnotherSideOfWhatIsLargeIsTheSameObject) {
   for (int pair = 45; pair < 60; ++pair) run(pair);
   ASSERT_EQ(moving(), 1);
   EXPECT_EQ(moving_id(), id);
+}
+
+TEST_F(Crossing, WhoFollowsFarBehindIsSomebodyElse) {
+  hide();
+  world.add_box(40, {-1.0, 0.1 + kOutOfView_m, 7.0}, {0.5, 0.5, 0.4}, {0.5, 0.0, 0.0});
+  pass_until(70);
+  ASSERT_EQ(count(ObjectState::kCoasting), 1);
+  for (std::size_t i = kFirst + 40; i < world.points.size(); ++i)
+    world.points[i].at_start_m.y() -= kOutOfView_m;
+  pass_until(85);
+  expect_another_name();
+  EXPECT_EQ(count(ObjectState::kCoasting), 1);
+}
+
+// It is still there, at rest, and large.
+TEST_F(Filter, WhoPassesWhatHasStoppedIsSomebodyElse) {
+  rest_rig();
+  world.add_background(300);
+  world.add_box(80, {-1.2, 0.1, 6.0}, {2.0, 1.0, 0.1}, {0.6, 0.0, 0.0});
+  world.add_box(30, {1.4, 50.1, 6.0}, {0.4, 0.6, 0.1}, {0.6, 0.0, -0.2});
+  for (int pair = 0; pair < 45; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  const std::int64_t id = moving_id();
+  for (std::size_t i = 300; i < 380; ++i) {
+    world.points[i].at_start_m += world.time_s(45) * world.points[i].velocity_mps;
+    world.points[i].velocity_mps.setZero();
+  }
+  for (int pair = 45; pair < 75; ++pair) run(pair);
+  ASSERT_EQ(count(ObjectState::kStopped), 1);
+  for (std::size_t i = 380; i < 410; ++i)
+    world.points[i].at_start_m -= Eigen::Vector3d(world.time_s(75) * 0.6, 50.0, 0.0);
+  for (int pair = 75; pair < 90; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  EXPECT_NE(moving_id(), id);
+  EXPECT_EQ(count(ObjectState::kStopped), 1);
 }
 
 // Who comes out beside somebody takes no name that the other has again.

@@ -85,7 +85,6 @@ TEST_F(Filter, IslandsOfOneLargeBodyAreOneObject) {
   EXPECT_EQ(moving(), 1);
 }
 
-// Near enough for their size to be islands of one body, but what rests behind shows between them.
 // Its other end was found while the middle was not seen yet.
 TEST_F(Filter, PartFoundBesideWhatIsConfirmedJoinsIt) {
   rest_rig();
@@ -110,6 +109,7 @@ TEST_F(Filter, PartFoundBesideWhatIsConfirmedJoinsIt) {
   EXPECT_EQ(moving_id(), id);
 }
 
+// Near enough for their size to be islands of one body, but what rests behind shows between them.
 TEST_F(Filter, TwoThatAreSeenPastStayTwo) {
   world.add_background(600, 9.0, 12.0);
   world.add_box(60, {-0.5, 0.1, 5.0}, {0.5, 1.6, 0.4}, {0.0, 0.0, 0.4});

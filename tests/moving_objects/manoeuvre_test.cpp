@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <chrono>
 #include <cmath>
 
@@ -68,6 +69,33 @@ TEST(Manoeuvre, IsSurerOfWhatItLeads) {
     return std::sqrt(manoeuvre.covariance_m2ps2()(2, 2));
   };
   EXPECT_LT(sigma_mps(0.01), 0.7 * sigma_mps(0.2)) << "in so much noise it is not led";
+}
+
+TEST(Manoeuvre, IsNoSurerTheNoisierItIs) {
+  double before = 0.0;
+  for (const double noise_mps : {0.02, 0.05, 0.08, 0.12, 0.2, 0.3}) {
+    Manoeuvre manoeuvre;
+    for (int k = 0; k < 60; ++k) {
+      BodyMotion far = body({0.0, 0.0, 0.01 * k});
+      far.lag_s(2, 2) = 0.8;
+      far.velocity_covariance_m2ps2 = noise_mps * noise_mps * Eigen::Matrix3d::Identity();
+      manoeuvre.follow(far, k * 33ms);
+    }
+    const double own = manoeuvre.covariance_m2ps2()(2, 2) + noise_mps * noise_mps;
+    EXPECT_GT(own, before) << noise_mps;
+    before = own;
+  }
+}
+
+TEST(Manoeuvre, LeadsAlikeInAnyAxes) {
+  const auto lead_mps = [](double turn_rad) {
+    const Eigen::Matrix3d R = Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitX()).matrix();
+    Manoeuvre manoeuvre;
+    for (int k = 0; k < 60; ++k)
+      manoeuvre.follow(body(R * Eigen::Vector3d(0.0, 0.1 * std::sin(1.2 * k), 0.01 * k)), k * 33ms);
+    return manoeuvre.steady_lead_mps().norm();
+  };
+  EXPECT_NEAR(lead_mps(0.4), lead_mps(0.0), 1e-9);
 }
 
 TEST(Manoeuvre, DoesNotLeadWhatIsNoMoreThanNoise) {

@@ -15,7 +15,8 @@ namespace egomod {
 
 struct MapPoint;
 
-// The rig's velocity at a pair, from the mean ones between pairs: a line through the last three.
+// The rig's velocity at a pair, from the mean ones between pairs: a line through the last three,
+// and after a jerk no more than both of their slopes say.
 class PairVelocity {
  public:
   void clear() { count_ = 0; }
