@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which object each group of moving points belongs to, and which groups open a new one.
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -26,8 +27,20 @@ constexpr double kLimbMemory_s = 0.3;
 constexpr double kVelocityMemory_s = 0.4;  // about half a step
 constexpr double kLeap_mps = 0.5;
 constexpr double kLeapShare = 0.4;
-constexpr double kLimbReach_m = 0.3;  // from the rectangle
-constexpr float kUpright = 3.0F;      // of that, up and down
+constexpr double kLimbReach_m = 0.3;     // from the rectangle
+constexpr float kUpright = 3.0F;         // of that, up and down
+constexpr double kPartSpeed_mps = 0.05;  // plus a share of the speed, 99 % and rotation
+constexpr double kPartSpeedShare = 0.03;
+constexpr double kPartChi2 = 11.34;
+constexpr int kOutweighs = 2;
+
+bool move_as_one(const MovingObject& a, const MovingObject& b) {
+  const double slack_mps = kPartSpeed_mps + kPartSpeedShare * std::max(a.speed_mps, b.speed_mps);
+  const Eigen::Vector3d dv = a.velocity_mps - b.velocity_mps;
+  const Eigen::Matrix3d S = a.velocity_covariance_m2ps2 + b.velocity_covariance_m2ps2 +
+                            slack_mps * slack_mps / kPartChi2 * Eigen::Matrix3d::Identity();
+  return dv.dot(S.inverse() * dv) < kPartChi2;
+}
 
 }  // namespace
 
@@ -289,6 +302,46 @@ void ObjectTable::adopt_limbs(const StereoCamera& camera, std::span<const PointS
   }
   tracked.by_limbs = !tracked.evident && tracked.confirmed && moving >= MotionGroups::kLeastPoints;
   tracked.evident = tracked.evident || tracked.by_limbs;
+}
+
+// A large body shows its texture in islands further apart than neighbours are: of two objects with
+// one velocity, whose gap is small for their size and shows nothing behind, one is part of the
+// other. The younger one, unless it has been known for some time and outweighs the other: a limb of
+// somebody may have been taken for who was here before.
+bool ObjectTable::is_part(std::span<const PointSample> points, const Tracked& older,
+                          const Tracked& younger) const {
+  const double sigma_m = std::sqrt(older.object.position_covariance_m2(2, 2) +
+                                   younger.object.position_covariance_m2(2, 2));
+  return older.evident && younger.evident && are_near(older.box, younger.box, sigma_m) &&
+         move_as_one(older.object, younger.object) &&
+         !are_seen_past(points, {older.box, older.own_rectangle},
+                        {younger.box, younger.own_rectangle});
+}
+
+void ObjectTable::absorb_parts(const StereoCamera& camera, std::span<const PointSample> points) {
+  for (std::size_t older = 0; older < objects_.size(); ++older) {
+    bool has_parts = false;
+    for (std::size_t younger = older + 1; younger < objects_.size();) {
+      Tracked& whole = objects_[older];
+      Tracked& part = objects_[younger];
+      if (!is_part(points, whole, part)) {
+        ++younger;
+        continue;
+      }
+      if (is_known(part) && part.object.points > kOutweighs * whole.object.points)
+        std::swap(whole, part);
+      std::replace(owners_.begin(), owners_.end(), part.object.id, whole.object.id);
+      whole.confirmed = whole.confirmed || part.confirmed;
+      lost_.give_back(part.object.id);
+      objects_.erase(objects_.begin() + static_cast<std::ptrdiff_t>(younger));
+      has_parts = true;
+    }
+    Tracked& whole = objects_[older];
+    if (!has_parts) continue;
+    collect(points, whole);
+    if (!members_.empty()) measure(camera, points, whole);
+    if (whole.confirmed) whole.object.state = ObjectState::kMoving;
+  }
 }
 
 }  // namespace egomod

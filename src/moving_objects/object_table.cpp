@@ -20,9 +20,6 @@ constexpr double kLeaveChi2 = 25.0;      // a member this far off leaves
 constexpr double kManoeuvre_s = 1.0;     // how long an unseen one lasts
 constexpr double kPartGapShare = 0.4;    // of the larger one's size, across the line of sight
 constexpr double kPartDepthShare = 1.0;
-constexpr double kPartSpeed_mps = 0.05;  // plus a share of the speed, 99 % and rotation
-constexpr double kPartSpeedShare = 0.03;
-constexpr double kPartChi2 = 11.34;
 constexpr double kPastDepth_m = 0.5;
 constexpr std::ptrdiff_t kLeastPast = 3;
 constexpr double kLimbSpan_m = 0.4;  // beside the trunk
@@ -51,14 +48,6 @@ bool is_finite(const MovingObject& object) {
   return object.position_m.allFinite() && object.velocity_mps.allFinite() &&
          object.position_covariance_m2.allFinite() &&
          object.velocity_covariance_m2ps2.allFinite() && std::isfinite(object.motion_probability);
-}
-
-bool move_as_one(const MovingObject& a, const MovingObject& b) {
-  const double slack_mps = kPartSpeed_mps + kPartSpeedShare * std::max(a.speed_mps, b.speed_mps);
-  const Eigen::Vector3d dv = a.velocity_mps - b.velocity_mps;
-  const Eigen::Matrix3d S = a.velocity_covariance_m2ps2 + b.velocity_covariance_m2ps2 +
-                            slack_mps * slack_mps / kPartChi2 * Eigen::Matrix3d::Identity();
-  return dv.dot(S.inverse() * dv) < kPartChi2;
 }
 
 bool rests(const PointSample& point) { return point.stands && !point.left_only; }
@@ -270,33 +259,6 @@ bool ObjectTable::is_proper(std::span<const PointSample> points, const Tracked& 
                                 : static_cast<std::size_t>(config_.min_points);
   return members_.size() >= least &&
          is_pure(points, members_, tracked.by_limbs ? 1.0 : kKeepPurityShare);
-}
-
-// A large body shows its texture in islands further apart than neighbours are: the younger of two
-// objects with one velocity, whose gap is small for their size and shows nothing behind, is
-// part of the older one.
-void ObjectTable::absorb_parts(const StereoCamera& camera, std::span<const PointSample> points) {
-  for (auto older = objects_.begin(); older != objects_.end(); ++older) {
-    const auto is_part = [&](const Tracked& younger) {
-      const double sigma_m = std::sqrt(older->object.position_covariance_m2(2, 2) +
-                                       younger.object.position_covariance_m2(2, 2));
-      if (!older->evident || !younger.evident || !are_near(older->box, younger.box, sigma_m) ||
-          !move_as_one(older->object, younger.object) ||
-          are_seen_past(points, {older->box, older->own_rectangle},
-                        {younger.box, younger.own_rectangle}))
-        return false;
-      std::replace(owners_.begin(), owners_.end(), younger.object.id, older->object.id);
-      older->confirmed = older->confirmed || younger.confirmed;
-      lost_.give_back(younger.object.id);
-      return true;
-    };
-    const auto parts = std::remove_if(older + 1, objects_.end(), is_part);
-    if (parts == objects_.end()) continue;
-    objects_.erase(parts, objects_.end());
-    collect(points, *older);
-    if (!members_.empty()) measure(camera, points, *older);
-    if (older->confirmed) older->object.state = ObjectState::kMoving;
-  }
 }
 
 bool ObjectTable::moves_with_owner(std::size_t track, const Eigen::Vector3d& velocity_mps,

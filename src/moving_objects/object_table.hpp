@@ -146,6 +146,8 @@ class ObjectTable {
   [[nodiscard]] Members trunk_of(std::span<const PointSample> points, Members members,
                                  const Tracked& tracked);
   void measure_motion(std::span<const PointSample> points, Members members, Tracked& tracked);
+  [[nodiscard]] bool is_part(std::span<const PointSample> points, const Tracked& older,
+                             const Tracked& younger) const;
   void absorb_parts(const StereoCamera& camera, std::span<const PointSample> points);
   [[nodiscard]] bool is_proven(const Tracked& tracked) const;
   [[nodiscard]] bool is_pure(std::span<const PointSample> points, Members members,

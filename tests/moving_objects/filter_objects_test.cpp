@@ -85,6 +85,29 @@ TEST_F(Filter, IslandsOfOneLargeBodyAreOneObject) {
   EXPECT_EQ(moving(), 1);
 }
 
+// A part of one that was taken for an older object is no reason to call all of it by that name.
+TEST_F(Filter, TheLargerOfTwoThatBecomeOneKeepsItsName) {
+  rest_rig();
+  world.add_background(300);
+  world.add_box(8, {-1.6, 0.1, 4.0}, {0.2, 0.4, 0.1}, {0.5, 0.0, 0.0});
+  for (int pair = 0; pair < 20; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  const std::int64_t older = moving_id();
+  const Eigen::Vector3d velocity_mps{0.5, 0.0, 0.4};
+  world.add_box(50, {-1.0, 0.1, 2.4}, {0.6, 0.6, 0.1}, velocity_mps);
+  int pair = 20;
+  for (; pair < 80; ++pair) run(pair);
+  ASSERT_EQ(moving(), 2);
+  for (std::size_t i = 300; i < 308; ++i) {
+    world.points[i].at_start_m +=
+        world.time_s(pair) * (world.points[i].velocity_mps - velocity_mps);
+    world.points[i].velocity_mps = velocity_mps;
+  }
+  for (; pair < 110; ++pair) run(pair);
+  ASSERT_EQ(moving(), 1);
+  EXPECT_NE(moving_id(), older);
+}
+
 // Its other end was found while the middle was not seen yet.
 TEST_F(Filter, PartFoundBesideWhatIsConfirmedJoinsIt) {
   rest_rig();
