@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kMemory_s = kUsualLag_s;
 constexpr double kMostLag_s = 1.0;
+constexpr double kSettling = 4.0;  // lags: what has just set off is being learnt, which is no trend
 constexpr double kAlikeLags = 1.2;
 constexpr double kLeadError = 0.6;    // of the steady lead
 constexpr double kUnseenShare = 0.5;  // of what the noise leaves open, as a variance
@@ -96,7 +97,9 @@ void Manoeuvre::lead_along(const BodyMotion& body, const Eigen::Matrix3d& onto, 
   const double unrest_m2ps2 = (onto * unrest_m2ps2_ * onto).trace();
   const double goes_on =
       (trend_mps.squaredNorm() / unrest_m2ps2 - kTrendOfNoise) / (1.0 - kTrendOfNoise);
-  const double share = std::clamp(goes_on, 0.0, 1.0) * (1.0 - noise_share);
+  const double age_s = to_seconds(now_ - begun_);
+  const double settled = 1.0 - start_.stood_share * std::exp(-age_s / (kSettling * lag_s));
+  const double share = settled * std::clamp(goes_on, 0.0, 1.0) * (1.0 - noise_share);
   const double left = 1.0 - share;
   lead.mps += share * full_mps;
   lead.of_trend_mps += share * trend_mps;

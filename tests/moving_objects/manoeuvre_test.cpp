@@ -87,6 +87,21 @@ TEST(Manoeuvre, IsNoSurerTheNoisierItIs) {
   }
 }
 
+// What filters have yet to learn of a velocity looks like a steady change.
+TEST(Manoeuvre, DoesNotLeadWhatHasJustSetOff) {
+  const auto lead_mps = [](double stood_share) {
+    Manoeuvre manoeuvre;
+    for (int k = 0; k < 20; ++k) {
+      BodyMotion far = body({0.0, 0.0, 0.02 * k});
+      far.lag_s(2, 2) = 0.8;
+      manoeuvre.follow(far, k * 33ms, {.stood_share = stood_share});
+    }
+    return manoeuvre.steady_lead_mps().z();
+  };
+  EXPECT_GT(lead_mps(0.0), 0.1);
+  EXPECT_LT(lead_mps(1.0), 0.25 * lead_mps(0.0));
+}
+
 TEST(Manoeuvre, LeadsAlikeInAnyAxes) {
   const auto lead_mps = [](double turn_rad) {
     const Eigen::Matrix3d R = Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitX()).matrix();
