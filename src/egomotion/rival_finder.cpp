@@ -43,7 +43,7 @@ constexpr double kPerStoodS = 8.0;
 constexpr double kMostStoodS = 3.0;
 constexpr double kStoodFadesS = 4.0;
 constexpr double kSurelyAcross = 0.5;
-// Apart by so much, a motion is seen in any pair if it is there: half a pixel at 20 m and more.
+// Apart by so much in a pair, a motion is seen if it is there: half a pixel at 20 m, more nearer.
 constexpr double kToldByOnePairM = 0.02;
 constexpr double kLeverM = 3.0;  // of turns, where velocities are compared
 
@@ -74,9 +74,7 @@ bool RivalFinder::find(const TrackSet& tracks, const Solution& estimate,
   rival.preferred = rival.against_map = false;
   is_measured_ = false;
   found_ = search(tracks, estimate, roles, map, noise_scale, prior, rival);
-  const Vector6d velocity = velocity_of(estimate.T_previous_current, prior.dt_s);
-  const bool tells = velocity_distance(past_.other, velocity) * prior.dt_s > kToldByOnePairM;
-  if (!found_ && was_found && !tells && lingers(tracks, map)) {
+  if (!found_ && was_found && !shows_in_one_pair(estimate, prior.dt_s) && lingers(tracks, map)) {
     rival.solution = last_;
     rival.solution.T_previous_current = motion_of(past_.other, prior.dt_s);
     found_ = true;
@@ -98,6 +96,11 @@ void RivalFinder::forget(double dt_s) {
   past_.room *= kept;
   past_.stood_s *= kept;
   if (std::abs(past_.room) < kForgottenRoom) past_.pairs = 0;
+}
+
+bool RivalFinder::shows_in_one_pair(const Solution& estimate, double dt_s) const {
+  const Vector6d velocity = velocity_of(estimate.T_previous_current, dt_s);
+  return velocity_distance(past_.other, velocity) * dt_s > kToldByOnePairM;
 }
 
 // A motion that one pair does not tell from the estimate may be there all the same: as long as the

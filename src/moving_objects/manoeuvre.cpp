@@ -118,8 +118,9 @@ Eigen::Matrix3d Manoeuvre::covariance_m2ps2() const {
   const Eigen::Matrix3d along = square(change_mps_ - lead_.of_trend_mps) + unrest_m2ps2_ -
                                 square(trend_mps_) + square(trend_mps_ - lead_.of_trend_mps) +
                                 behind * square(velocity_mps);
-  return kAlongShare * along + kAcrossShare * along.trace() * Eigen::Matrix3d::Identity() +
-         lead_.covariance_m2ps2;
+  const double across_m2ps2 =
+      kAcrossShare * (along.trace() + lead_.covariance_m2ps2.trace() / kAlongShare);
+  return kAlongShare * along + lead_.covariance_m2ps2 + across_m2ps2 * Eigen::Matrix3d::Identity();
 }
 
 // What stood has come to its velocity since, from nothing.

@@ -249,14 +249,16 @@ void ObjectTable::go_on_by_tracks(std::span<const PointSample> points, const Mot
   if (members_.size() < least || 2 * members_.size() < own || !is_pure(points, members_)) return;
   const MeanVelocity mean = weighted_velocity(points, members_, rho);
   if (mean.velocity_mps.norm() < gates_.min_speed_mps) return;
-  tracked.evident = true;
-  tracked.group = members_.size();
-  tracked.body = finder.body_of(points, members_);
-  tracked.box = {centre_of(points, members_), extent_of(points, members_)};
-  tracked.own_rectangle = rectangle_of(points, members_);
-  tracked.object.velocity_mps = mean.velocity_mps;
-  tracked.object.velocity_covariance_m2ps2 = mean.covariance_m2ps2;
-  lost_.erase(tracked.object.id);
+  MotionGroup group;
+  group.count = members_.size();
+  group.body = finder.body_of(points, members_);
+  group.centre_m = centre_of(points, members_);
+  group.size_m = extent_of(points, members_);
+  group.rectangle = rectangle_of(points, members_);
+  group.velocity_mps = mean.velocity_mps;
+  group.velocity_covariance_m2ps2 = mean.covariance_m2ps2;
+  group.evidence = joint_evidence(points, members_, rho);
+  take_group(group, tracked);
 }
 
 // Whose velocity was known a moment ago does not leap: an arm or a leg does.

@@ -113,6 +113,8 @@ class RivalFinder {
   [[nodiscard]] bool search(const TrackSet& tracks, const Solution& estimate,
                             std::span<const TrackRole> roles, std::span<const MapPoint> map,
                             double noise_scale, const VelocityPrior& prior, Rival& rival);
+  // Whether the last other motion is so far from the estimate that no pair would miss it.
+  [[nodiscard]] bool shows_in_one_pair(const Solution& estimate, double dt_s) const;
   [[nodiscard]] bool lingers(const TrackSet& tracks, std::span<const MapPoint> map);
   [[nodiscard]] Solution among_unexplained(const TrackSet& tracks, const Eigen::Isometry3d& start);
   [[nodiscard]] Solution confirmed(const TrackSet& tracks, const Solution& estimate,
