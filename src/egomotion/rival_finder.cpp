@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "egomod/core/geometry.hpp"
 #include "egomod/egomotion/statistics.hpp"
@@ -45,6 +46,10 @@ constexpr double kStoodFadesS = 4.0;
 constexpr double kSurelyAcross = 0.5;
 // Apart by so much in a pair, a motion is seen if it is there: half a pixel at 20 m, more nearer.
 constexpr double kToldByOnePairM = 0.02;
+constexpr double kFewToTell = 0.15;
+constexpr double kAllAround = 0.6;  // of the area of all; a mover has its share of the image
+constexpr double kLeastKept = 0.6;
+constexpr double kFirstScale = 8.0;
 constexpr double kLeverM = 3.0;  // of turns, where velocities are compared
 
 double score(const Support& support) {
@@ -52,6 +57,19 @@ double score(const Support& support) {
 }
 
 double beyond_chance(double room) { return room - std::clamp(room, -kRoomByChance, kRoomByChance); }
+
+// Over which points scatter in the image.
+double area_px2(std::span<const Correspondence> points) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d squares = Eigen::Matrix2d::Zero();
+  for (const Correspondence& c : points) {
+    const Eigen::Vector2d x = c.observed_px.head<2>();
+    sum += x;
+    squares += x * x.transpose();
+  }
+  const auto n = static_cast<double>(points.size());
+  return std::sqrt(std::max(0.0, (squares / n - sum * sum.transpose() / (n * n)).determinant()));
+}
 
 double velocity_distance(const Vector6d& a, const Vector6d& b) {
   return (a - b).head<3>().norm() + kLeverM * (a - b).tail<3>().norm();
@@ -137,6 +155,7 @@ bool RivalFinder::search(const TrackSet& tracks, const Solution& estimate,
   rival.solution =
       is_suspected_ ? confirmed(tracks, estimate, *prior.wheels) : among_unexplained(tracks, start);
   if (rival.solution.failure != EstimateReason::kNone) return false;
+  if (!found_) refine(tracks, estimate, rival.solution);
   vote(tracks, estimate.T_previous_current, rival.solution.T_previous_current, map);
   Support for_estimate;
   Support for_rival;
@@ -195,6 +214,48 @@ Solution RivalFinder::among_unexplained(const TrackSet& tracks, const Eigen::Iso
   return solver_.solve(tracks.camera, unexplained_, start, tracks.sequence);
 }
 
+// What only the other motion explains may be few points, which tell it badly, but are all around as
+// the world is. What is far both may explain, and it tells the turn, while what is near and moves
+// has no say yet.
+void RivalFinder::refine(const TrackSet& tracks, const Solution& estimate, Solution& rival) {
+  const bool few =
+      static_cast<double>(unexplained_.size()) < kFewToTell * static_cast<double>(all_.size());
+  if (!few || area_px2(unexplained_) < kAllAround * area_px2(all_)) return;
+  add_the_far_half();
+  if (improve(tracks, estimate, unexplained_, kFirstScale, rival))
+    static_cast<void>(improve(tracks, estimate, all_, 1.0, rival));
+}
+
+// By the cells that the pair alone gives to each, unless it leads back to the estimate.
+bool RivalFinder::improve(const TrackSet& tracks, const Solution& estimate,
+                          std::span<const Correspondence> with, double first_scale,
+                          Solution& rival) {
+  const auto cells = [&](const Solution& other) {
+    vote(tracks, estimate.T_previous_current, other.T_previous_current, {});
+    Support for_estimate;
+    Support for_rival;
+    count_support(for_estimate, for_rival);
+    return std::pair{for_estimate.cells, for_rival.cells};
+  };
+  const auto [estimates_before, before] = cells(rival);
+  const Solution better =
+      solver_.solve_near(tracks.camera, with, rival.T_previous_current, first_scale);
+  if (better.failure != EstimateReason::kNone) return false;
+  const auto [estimates, after] = cells(better);
+  if (after < kLeastKept * before || after * estimates_before < before * estimates) return false;
+  rival = better;
+  return true;
+}
+
+void RivalFinder::add_the_far_half() {
+  depths_m_.clear();
+  for (const Correspondence& c : all_) depths_m_.push_back(c.P_previous_m.z());
+  const double middle_m = median(depths_m_, 0.0);
+  for (std::size_t k = 0; k < all_.size(); ++k)
+    if (all_[k].P_previous_m.z() > middle_m && by_estimate_[k] < kChi2Of3At99Percent)
+      unexplained_.push_back(all_[k]);
+}
+
 // Where the map knows little yet an estimate explains tracks of both motions: all are asked then.
 Solution RivalFinder::confirmed(const TrackSet& tracks, const Solution& estimate,
                                 const WheelsMotion& wheels) {
@@ -211,6 +272,7 @@ void RivalFinder::reserve(std::size_t points) {
   whitened_.reserve(points);
   all_.reserve(points);
   unexplained_.reserve(points);
+  depths_m_.reserve(points);
   by_estimate_.reserve(points + kResidualLanes);
   by_rival_.reserve(points + kResidualLanes);
 }

@@ -117,6 +117,11 @@ class RivalFinder {
   [[nodiscard]] bool shows_in_one_pair(const Solution& estimate, double dt_s) const;
   [[nodiscard]] bool lingers(const TrackSet& tracks, std::span<const MapPoint> map);
   [[nodiscard]] Solution among_unexplained(const TrackSet& tracks, const Eigen::Isometry3d& start);
+  void refine(const TrackSet& tracks, const Solution& estimate, Solution& rival);
+  void add_the_far_half();
+  [[nodiscard]] bool improve(const TrackSet& tracks, const Solution& estimate,
+                             std::span<const Correspondence> with, double first_scale,
+                             Solution& rival);
   [[nodiscard]] Solution confirmed(const TrackSet& tracks, const Solution& estimate,
                                    const WheelsMotion& wheels);
   void reserve(std::size_t points);
@@ -168,6 +173,7 @@ class RivalFinder {
   std::vector<double> by_rival_;
   std::vector<Correspondence> all_;  // of the last two pairs
   std::vector<Correspondence> unexplained_;
+  std::vector<double> depths_m_;
 };
 
 }  // namespace egomod
