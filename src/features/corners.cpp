@@ -22,6 +22,11 @@ constexpr float kContrastPerSigma = 2.0F;
 // Noise mask's energy over gradient energy: 1.5 in white noise whatever its law, hardly 0.3 at a
 // corner that a lens has drawn.
 constexpr float kMaxNoiseShare = 0.6F;
+// In a bucket and those around it. What shows more moving tracks has enough of them.
+constexpr int kLeastMovers = 2;
+constexpr int kMostMovers = 6;
+constexpr int kRankOfMovers = -1;
+constexpr int kMostForMovers = 20;  // that come before all others
 constexpr int kMinScoredHits = 16;
 constexpr int kScoredHitsPerCorner = 4;
 
@@ -163,6 +168,26 @@ void CornerDetector::occupy(std::span<const ImagePoint> points) {
   for (Bucket& bucket : buckets_) bucket.wanted = std::max(bucket.wanted, 0);
 }
 
+void CornerDetector::attend_to(std::span<const ImagePoint> movers) {
+  for (Bucket& bucket : buckets_) bucket.movers = 0;
+  for (const ImagePoint& point : movers) {
+    const int u = static_cast<int>(std::lround(point.u_px));
+    const int v = static_cast<int>(std::lround(point.v_px));
+    if (Bucket* bucket = bucket_at(u, v)) ++bucket->movers;
+  }
+  const int rows = static_cast<int>(buckets_.size()) / columns_;
+  for (int r = 0; r < rows; ++r) {
+    for (int c = 0; c < columns_; ++c) {
+      int around = 0;
+      for (int y = std::max(r - 1, 0); y <= std::min(r + 1, rows - 1); ++y)
+        for (int x = std::max(c - 1, 0); x <= std::min(c + 1, columns_ - 1); ++x)
+          around += buckets_[static_cast<std::size_t>(y * columns_ + x)].movers;
+      buckets_[static_cast<std::size_t>(r * columns_ + c)].is_attended =
+          around >= kLeastMovers && around <= kMostMovers;
+    }
+  }
+}
+
 void CornerDetector::spare_what_can_wait() {
   ++calls_;
   for (std::size_t i = 0; i < buckets_.size(); ++i) {
@@ -215,7 +240,7 @@ void CornerDetector::score_hits(const ImageView& image, const Bucket& bucket) {
   }
 }
 
-void CornerDetector::select(int wanted, std::vector<Corner>& corners) {
+void CornerDetector::select(const Bucket& bucket, int wanted, std::vector<Corner>& corners) {
   const auto order = [](const Corner& c) {
     return std::tuple(-c.min_eigenvalue, c.position.v_px, c.position.u_px);
   };
@@ -229,7 +254,10 @@ void CornerDetector::select(int wanted, std::vector<Corner>& corners) {
     if (blocked_[static_cast<std::size_t>(at)] != 0) continue;
     block(p.u_px, p.v_px);
     corners.push_back(corner);
-    corners.back().rank = rank++;
+    const bool first = bucket.is_attended && for_movers_ < kMostForMovers;
+    for_movers_ += first ? 1 : 0;
+    corners.back().rank = first ? kRankOfMovers : rank;
+    ++rank;
   }
 }
 
@@ -248,14 +276,17 @@ void CornerDetector::search(const ImageView& image, const Bucket& bucket, int wa
   collect_hits(bucket);
   keep_strongest_hits(wanted);
   score_hits(image, bucket);
-  select(wanted, corners);
+  select(bucket, wanted, corners);
 }
 
 void CornerDetector::detect(const ImageView& image, std::span<const ImagePoint> occupied,
-                            float room_factor, std::vector<Corner>& corners) {
+                            float room_factor, std::vector<Corner>& corners,
+                            std::span<const ImagePoint> movers) {
   corners.clear();
   lay_out(image);
   if (buckets_.empty()) return;
+  attend_to(movers);
+  for_movers_ = 0;
   occupy(occupied);
   if (!occupied.empty()) spare_what_can_wait();
   if (calls_ % kPatience == 1 || occupied.empty()) noise_sigma_ = estimate_noise_sigma(image);

@@ -15,9 +15,18 @@ constexpr float kUsualDisparity_px = 30.0F;
 constexpr float kRoomFactor = 1.3F;
 // Corners tried for each free track; they come in order of rank, so that stopping keeps coverage.
 constexpr std::size_t kTriesPerPlace = 2;
+// So many in a row, by that share of the flow, which is known less exactly the faster the rig
+// drives.
+constexpr int kMovingPairs = 3;
+constexpr float kMovingShare = 0.1F;
 // Once half of all tracks are there no pair tries more than this share of them: where many die, as
 // at driving speed, new ones are what costs most, and come over several pairs as well.
 constexpr double kMaxShareTried = 0.19;
+
+bool surely_moves(const FollowedPoint& point) {
+  return point.pairs_moving >= kMovingPairs &&
+         length(point.own_motion) > kMovingShare * length(point.flow);
+}
 
 }  // namespace
 
@@ -29,6 +38,7 @@ Seeding::Seeding(int capacity, const CornerConfig& corners, const DisparityConfi
       max_tries_when_half_full_(static_cast<std::size_t>(kMaxShareTried * capacity)) {
   const auto n = 2 * static_cast<std::size_t>(capacity);
   occupied_.reserve(n);
+  movers_.reserve(n);
   corners_.reserve(n);
   pixels_.reserve(n);
   right_shifts_.reserve(n);
@@ -38,9 +48,13 @@ Seeding::Seeding(int capacity, const CornerConfig& corners, const DisparityConfi
 void Seeding::seed(const StereoImages& images, const Skew& skew, TrackStore& store) {
   if (store.full()) return;
   occupied_.clear();
-  for (const FollowedPoint& point : store.points())
-    if (!is_left_only(point)) occupied_.push_back(point.left);
-  detector_.detect(images.left.level(0), occupied_, kRoomFactor, corners_);
+  movers_.clear();
+  for (const FollowedPoint& point : store.points()) {
+    if (is_left_only(point)) continue;
+    occupied_.push_back(point.left);
+    if (surely_moves(point)) movers_.push_back(point.left);
+  }
+  detector_.detect(images.left.level(0), occupied_, kRoomFactor, corners_, movers_);
   std::size_t tries = kTriesPerPlace * store.free_places();
   if (store.points().size() >= half_full_) tries = std::min(tries, max_tries_when_half_full_);
   corners_.resize(std::min(corners_.size(), tries));

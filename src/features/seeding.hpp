@@ -27,6 +27,7 @@ class Seeding {
   std::size_t half_full_;
   std::size_t max_tries_when_half_full_;
   std::vector<ImagePoint> occupied_;
+  std::vector<ImagePoint> movers_;
   std::vector<Corner> corners_;
   std::vector<PixelPosition> pixels_;
   std::vector<PixelPosition> right_shifts_;  // parallel to it; empty without skew

@@ -70,11 +70,18 @@ TEST_F(Scripts, that_are_called_wrongly_exit_with_2) {
 
 TEST_F(Scripts, in_python_that_are_called_wrongly_exit_with_2) {
   const std::vector<std::vector<std::string>> commands{
-      {"measure-accuracy", "--samples", "0"},        {"measure-accuracy", "--speed", "0"},
-      {"measure-accuracy", "--speed", "nan"},        {"measure-accuracy", "--depths", "-1"},
-      {"measure-accuracy", "--rigs", "30x0"},        {"measure-speed-limits", "--samples", "0"},
-      {"measure-speed-limits", "--rig-speed", "-1"}, {"measure-movers", "--seeds", "0"},
-      {"measure-movers", "--shares", "0.9"},         {"measure-movers", "--kinds", "jumps"}};
+      {"measure-accuracy", "--samples", "0"},
+      {"measure-accuracy", "--speed", "0"},
+      {"measure-accuracy", "--speed", "nan"},
+      {"measure-accuracy", "--depths", "-1"},
+      {"measure-accuracy", "--rigs", "30x0"},
+      {"measure-speed-limits", "--samples", "0"},
+      {"measure-speed-limits", "--rig-speed", "-1"},
+      {"measure-movers", "--seeds", "0"},
+      {"measure-movers", "--shares", "0.9"},
+      {"measure-movers", "--kinds", "jumps"},
+      {"random-worlds", "--output", out_, "--count", "0"},
+      {"random-worlds"}};
   for (const auto& command : commands) {
     const Outcome outcome = run(command);
     EXPECT_EQ(outcome.exit_code, kWrongUsage) << ::testing::PrintToString(command);
@@ -86,6 +93,30 @@ TEST_F(Scripts, in_python_that_are_called_wrongly_exit_with_2) {
     EXPECT_THAT(outcome.output, HasSubstr("/nonexistent/egomodd: is no program")) << script;
     EXPECT_THAT(outcome.output, Not(HasSubstr("Traceback"))) << script;
   }
+}
+
+TEST_F(Scripts, random_worlds_draws_anew_what_the_renderer_refuses_and_says_why_in_the_end) {
+  EXPECT_THAT(run({"random-worlds", "--output", out_, "--programs", "/nonexistent"}).output,
+              HasSubstr("/nonexistent/egomod-sim: is no program"));
+  stand_in("egomod-sim", "echo it runs into a wall >&2; exit 1");
+  const Outcome refused =
+      run({"random-worlds", "--output", out_, "--programs", programs_, "--count", "1"});
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.output, HasSubstr("no world of seed 1 can be rendered"));
+  EXPECT_THAT(refused.output, HasSubstr("it runs into a wall"));
+  stand_in("egomod-sim", "exit 0");
+  const auto worlds = [&] {
+    const Outcome outcome = run({"random-worlds", "--output", out_, "--programs", programs_,
+                                 "--count", "2", "--first-seed", "7"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+    std::stringstream text;
+    for (const char* name : {"random-7.toml", "random-8.toml"})
+      text << std::ifstream(fs::path(out_) / name).rdbuf();
+    return text.str();
+  };
+  const std::string once = worlds();
+  EXPECT_THAT(once, HasSubstr("[rig]"));
+  EXPECT_EQ(worlds(), once) << "the same seed is the same world";
 }
 
 TEST_F(Scripts, measure_honesty_prints_a_row_a_world_and_repeats_no_run) {

@@ -132,6 +132,38 @@ TEST(CornerDetectorTest, OldTracksTakeTheirPlacesFirst) {
       EXPECT_GE(distance(c.position, old.position), config.min_distance_px);
 }
 
+TEST(CornerDetectorTest, WhatShowsFewMovingTracksComesFirst) {
+  const Image image = poster(60.0);
+  std::vector<ImagePoint> occupied;
+  for (const Corner& c : corners_of(image, {}, {.corners_per_bucket = 2}))
+    occupied.push_back({static_cast<float>(c.position.u_px), static_cast<float>(c.position.v_px)});
+  const ImagePoint middle{0.5F * kWidth_px, 0.5F * kHeight_px};
+  constexpr float kBucketAndNext_px = 81.0F;
+  const auto first_with = [&](std::size_t movers) {
+    CornerDetector detector({.corners_per_bucket = 3});
+    int first = 0;
+    std::vector<Corner> corners;
+    for (int i = 0; i < CornerDetector::kPatience; ++i) {
+      detector.detect(image.view(), occupied, 1.0F, corners,
+                      std::vector<ImagePoint>(movers, middle));
+      bool others_have_come = false;
+      for (const Corner& c : corners) {
+        others_have_come = others_have_come || c.rank >= 0;
+        if (c.rank >= 0) continue;
+        ++first;
+        EXPECT_FALSE(others_have_come);
+        EXPECT_LT(std::abs(static_cast<float>(c.position.u_px) - middle.u_px), kBucketAndNext_px);
+        EXPECT_LT(std::abs(static_cast<float>(c.position.v_px) - middle.v_px), kBucketAndNext_px);
+      }
+    }
+    return first;
+  };
+  EXPECT_GE(first_with(3), 4);
+  EXPECT_EQ(first_with(0), 0);
+  EXPECT_EQ(first_with(1), 0) << "one may be a mistake";
+  EXPECT_EQ(first_with(20), 0) << "so many are enough";
+}
+
 TEST(CornerDetectorTest, TriesBucketsThatStayEmptyInTurns) {
   const Image image = poster(60.0);
   CornerDetector detector({});

@@ -21,7 +21,7 @@ enum class CornerKind : std::uint8_t {
 struct Corner {
   PixelPosition position;
   CornerKind kind = CornerKind::kDark;
-  int rank = 0;              // 0: the best new corner of its bucket
+  int rank = 0;              // 0: the best new corner of its bucket, -1: where something moves
   float min_eigenvalue = 0;  // mean structure tensor of 7x7 gradients (grey/px)^2, noise removed
 };
 
@@ -51,8 +51,10 @@ class CornerDetector {
   // partner.
   // Unless there are no tracks at all, a bucket that has not just lost some, so that kManyLost are
   // missing, waits for its turn, every kPatience-th call.
+  // `movers`: tracks that move on their own. What shows few of them comes first, since what is
+  // behind it has more and stronger corners to show, and a caller has few tracks to give.
   void detect(const ImageView& image, std::span<const ImagePoint> occupied, float room_factor,
-              std::vector<Corner>& corners);
+              std::vector<Corner>& corners, std::span<const ImagePoint> movers = {});
 
   static constexpr int kPatience = 2;
   static constexpr int kManyLost = 2;
@@ -63,11 +65,14 @@ class CornerDetector {
     int u0 = 0, v0 = 0, u1 = 0, v1 = 0;
     int wanted = 0;
     int wanted_before = 0;
+    int movers = 0;            // in it
+    bool is_attended = false;  // few of them are in it and around it
   };
 
   void lay_out(const ImageView& image);
   void occupy(std::span<const ImagePoint> points);
   [[nodiscard]] Bucket* bucket_at(int u, int v);
+  void attend_to(std::span<const ImagePoint> movers);
   void spare_what_can_wait();
   void lay_out_disc();
   void block(int u, int v);
@@ -76,12 +81,13 @@ class CornerDetector {
   void collect_hits(const Bucket& bucket);
   void keep_strongest_hits(int wanted);
   void score_hits(const ImageView& image, const Bucket& bucket);
-  void select(int wanted, std::vector<Corner>& corners);
+  void select(const Bucket& bucket, int wanted, std::vector<Corner>& corners);
   [[nodiscard]] std::ptrdiff_t bucket_stride() const { return 2 * config_.bucket_px + 64; }
 
   CornerConfig config_;
   float noise_sigma_ = 0.0F;  // standard deviation of the grey values that is taken for noise
   unsigned calls_ = 0;
+  int for_movers_ = 0;  // corners of this call
   int width_px_ = 0;
   int height_px_ = 0;
   int columns_ = 0;
