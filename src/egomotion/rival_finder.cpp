@@ -155,7 +155,7 @@ bool RivalFinder::search(const TrackSet& tracks, const Solution& estimate,
   rival.solution =
       is_suspected_ ? confirmed(tracks, estimate, *prior.wheels) : among_unexplained(tracks, start);
   if (rival.solution.failure != EstimateReason::kNone) return false;
-  if (!found_) refine(tracks, estimate, rival.solution);
+  if (!found_ && !is_suspected_) refine(tracks, estimate, rival.solution);
   vote(tracks, estimate.T_previous_current, rival.solution.T_previous_current, map);
   Support for_estimate;
   Support for_rival;
