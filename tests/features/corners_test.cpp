@@ -117,13 +117,19 @@ TEST(CornerDetectorTest, KeepsDistanceBorderAndTheRoomOfEveryBucket) {
   EXPECT_GT(corners.size(), 150U);  // of 48 buckets with room for 4
 }
 
+std::vector<ImagePoint> places_of(const std::vector<Corner>& corners) {
+  std::vector<ImagePoint> places;
+  places.reserve(corners.size());
+  for (const Corner& c : corners)
+    places.push_back({static_cast<float>(c.position.u_px), static_cast<float>(c.position.v_px)});
+  return places;
+}
+
 TEST(CornerDetectorTest, OldTracksTakeTheirPlacesFirst) {
   const CornerConfig config{.corners_per_bucket = 2};
   const Image image = poster(60.0);
   const auto first = corners_of(image, {}, config);
-  std::vector<ImagePoint> occupied;
-  for (const Corner& c : first)
-    occupied.push_back({static_cast<float>(c.position.u_px), static_cast<float>(c.position.v_px)});
+  const std::vector<ImagePoint> occupied = places_of(first);
   const auto full = corners_of(image, occupied, config);
   EXPECT_LT(full.size(), first.size() / 10);
   // With room for one more in each bucket, none of them is near an old one.
@@ -134,9 +140,8 @@ TEST(CornerDetectorTest, OldTracksTakeTheirPlacesFirst) {
 
 TEST(CornerDetectorTest, WhatShowsFewMovingTracksComesFirst) {
   const Image image = poster(60.0);
-  std::vector<ImagePoint> occupied;
-  for (const Corner& c : corners_of(image, {}, {.corners_per_bucket = 2}))
-    occupied.push_back({static_cast<float>(c.position.u_px), static_cast<float>(c.position.v_px)});
+  const std::vector<ImagePoint> occupied =
+      places_of(corners_of(image, {}, {.corners_per_bucket = 2}));
   const ImagePoint middle{0.5F * kWidth_px, 0.5F * kHeight_px};
   constexpr float kBucketAndNext_px = 81.0F;
   const auto first_with = [&](std::size_t movers) {
