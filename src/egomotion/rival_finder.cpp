@@ -46,11 +46,13 @@ constexpr double kStoodFadesS = 4.0;
 constexpr double kSurelyAcross = 0.5;
 // Apart by so much in a pair, a motion is seen if it is there: half a pixel at 20 m, more nearer.
 constexpr double kToldByOnePairM = 0.02;
+// Few of all tracks tell another motion and are all around: they scatter over this share of what
+// all do, where a mover has its share of the image.
 constexpr double kFewToTell = 0.15;
-constexpr double kAllAround = 0.6;  // of the area of all; a mover has its share of the image
-constexpr double kLeastKept = 0.6;
-constexpr double kFirstScale = 8.0;
-constexpr double kLeverM = 3.0;  // of turns, where velocities are compared
+constexpr double kAllAround = 0.6;
+constexpr double kFirstScale = 8.0;  // of the kernel: their motion is some of its widths off
+constexpr double kLeastKept = 0.6;   // of its cells; less, and it has become the estimate
+constexpr double kLeverM = 3.0;      // of turns, where velocities are compared
 
 double score(const Support& support) {
   return std::log1p(support.cells) + std::log1p(support.known_static) - 0.5 * support.surprise;
@@ -221,8 +223,8 @@ void RivalFinder::refine(const TrackSet& tracks, const Solution& estimate, Solut
   const bool few =
       static_cast<double>(unexplained_.size()) < kFewToTell * static_cast<double>(all_.size());
   if (!few || area_px2(unexplained_) < kAllAround * area_px2(all_)) return;
-  add_the_far_half();
-  if (improve(tracks, estimate, unexplained_, kFirstScale, rival))
+  gather_unexplained_and_far();
+  if (improve(tracks, estimate, unexplained_and_far_, kFirstScale, rival))
     static_cast<void>(improve(tracks, estimate, all_, 1.0, rival));
 }
 
@@ -247,13 +249,14 @@ bool RivalFinder::improve(const TrackSet& tracks, const Solution& estimate,
   return true;
 }
 
-void RivalFinder::add_the_far_half() {
+void RivalFinder::gather_unexplained_and_far() {
   depths_m_.clear();
   for (const Correspondence& c : all_) depths_m_.push_back(c.P_previous_m.z());
   const double middle_m = median(depths_m_, 0.0);
+  unexplained_and_far_ = unexplained_;
   for (std::size_t k = 0; k < all_.size(); ++k)
     if (all_[k].P_previous_m.z() > middle_m && by_estimate_[k] < kChi2Of3At99Percent)
-      unexplained_.push_back(all_[k]);
+      unexplained_and_far_.push_back(all_[k]);
 }
 
 // Where the map knows little yet an estimate explains tracks of both motions: all are asked then.
@@ -272,6 +275,7 @@ void RivalFinder::reserve(std::size_t points) {
   whitened_.reserve(points);
   all_.reserve(points);
   unexplained_.reserve(points);
+  unexplained_and_far_.reserve(points);
   depths_m_.reserve(points);
   by_estimate_.reserve(points + kResidualLanes);
   by_rival_.reserve(points + kResidualLanes);

@@ -26,7 +26,6 @@ constexpr float kMaxNoiseShare = 0.6F;
 constexpr int kLeastMovers = 2;
 constexpr int kMostMovers = 6;
 constexpr int kRankOfMovers = -1;
-constexpr int kMostForMovers = 20;  // that come before all others
 constexpr int kMinScoredHits = 16;
 constexpr int kScoredHitsPerCorner = 4;
 
@@ -159,8 +158,7 @@ void CornerDetector::occupy(std::span<const ImagePoint> points) {
   std::fill(blocked_.begin(), blocked_.end(), std::uint8_t{0});
   for (Bucket& bucket : buckets_) bucket.wanted = config_.corners_per_bucket;
   for (const ImagePoint& point : points) {
-    const int u = static_cast<int>(std::lround(point.u_px));
-    const int v = static_cast<int>(std::lround(point.v_px));
+    const auto [u, v] = nearest_pixel(point);
     if (u < 0 || v < 0 || u >= width_px_ || v >= height_px_) continue;
     block(u, v);
     if (Bucket* bucket = bucket_at(u, v)) --bucket->wanted;
@@ -169,22 +167,17 @@ void CornerDetector::occupy(std::span<const ImagePoint> points) {
 }
 
 void CornerDetector::attend_to(std::span<const ImagePoint> movers) {
-  for (Bucket& bucket : buckets_) bucket.movers = 0;
-  for (const ImagePoint& point : movers) {
-    const int u = static_cast<int>(std::lround(point.u_px));
-    const int v = static_cast<int>(std::lround(point.v_px));
-    if (Bucket* bucket = bucket_at(u, v)) ++bucket->movers;
-  }
+  for (Bucket& bucket : buckets_) bucket.movers_around = 0;
   const int rows = static_cast<int>(buckets_.size()) / columns_;
-  for (int r = 0; r < rows; ++r) {
-    for (int c = 0; c < columns_; ++c) {
-      int around = 0;
-      for (int y = std::max(r - 1, 0); y <= std::min(r + 1, rows - 1); ++y)
-        for (int x = std::max(c - 1, 0); x <= std::min(c + 1, columns_ - 1); ++x)
-          around += buckets_[static_cast<std::size_t>(y * columns_ + x)].movers;
-      buckets_[static_cast<std::size_t>(r * columns_ + c)].is_attended =
-          around >= kLeastMovers && around <= kMostMovers;
-    }
+  for (const ImagePoint& point : movers) {
+    const auto [u, v] = nearest_pixel(point);
+    const Bucket* const own = bucket_at(u, v);
+    if (own == nullptr) continue;
+    const auto index = static_cast<int>(own - buckets_.data());
+    const int row = index / columns_, column = index % columns_;
+    for (int r = std::max(row - 1, 0); r <= std::min(row + 1, rows - 1); ++r)
+      for (int c = std::max(column - 1, 0); c <= std::min(column + 1, columns_ - 1); ++c)
+        ++buckets_[static_cast<std::size_t>(r * columns_ + c)].movers_around;
   }
 }
 
@@ -246,6 +239,8 @@ void CornerDetector::select(const Bucket& bucket, int wanted, std::vector<Corner
   };
   std::sort(scored_.begin(), scored_.end(),
             [&](const Corner& a, const Corner& b) { return order(a) < order(b); });
+  const bool shows_few_movers =
+      bucket.movers_around >= kLeastMovers && bucket.movers_around <= kMostMovers;
   int rank = 0;
   for (const Corner& corner : scored_) {
     if (rank == wanted) return;
@@ -254,7 +249,7 @@ void CornerDetector::select(const Bucket& bucket, int wanted, std::vector<Corner
     if (blocked_[static_cast<std::size_t>(at)] != 0) continue;
     block(p.u_px, p.v_px);
     corners.push_back(corner);
-    const bool first = bucket.is_attended && for_movers_ < kMostForMovers;
+    const bool first = shows_few_movers && for_movers_ < kMostForMovers;
     for_movers_ += first ? 1 : 0;
     corners.back().rank = first ? kRankOfMovers : rank;
     ++rank;

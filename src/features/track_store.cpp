@@ -5,11 +5,6 @@
 
 namespace egomod {
 
-PixelPosition nearest_pixel(ImagePoint point) {
-  return {static_cast<std::int32_t>(std::lround(point.u_px)),
-          static_cast<std::int32_t>(std::lround(point.v_px))};
-}
-
 bool holds_template(const ImageView& image, PixelPosition pixel) {
   return pixel.u_px >= kTemplateMargin_px && pixel.v_px >= kTemplateMargin_px &&
          pixel.u_px < image.width_px - kTemplateMargin_px &&

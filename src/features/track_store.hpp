@@ -86,7 +86,6 @@ struct FollowedPoint {
           left.v_px + stereo.skew_shift.v_px};
 }
 
-[[nodiscard]] PixelPosition nearest_pixel(ImagePoint point);
 [[nodiscard]] bool holds_template(const ImageView& image, PixelPosition pixel);
 
 // The followed points in ascending id and their anchor templates. Bounded by `capacity`; nothing is

@@ -97,8 +97,7 @@ TEST_F(RivalFinderTest, DoubtEndsWithAReset) {
 }
 
 // A near mover and a far wall agree on a motion, since a turn does for the wall what a step to the
-// side would do; only a few points of floor and
-// ceiling, which are seen badly, tell the rig's.
+// side would do; only a few points of floor and ceiling, which are seen badly, tell the rig's.
 TEST(RivalFinderOfFewPoints, WhatBothExplainTellsTheRivalExactly) {
   constexpr double kInterval_s = 1.0 / 30.0;
   const Eigen::Isometry3d T_rig =

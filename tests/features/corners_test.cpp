@@ -169,6 +169,20 @@ TEST(CornerDetectorTest, WhatShowsFewMovingTracksComesFirst) {
   EXPECT_EQ(first_with(20), 0) << "so many are enough";
 }
 
+TEST(CornerDetectorTest, WhatMovesAllOverTheImageComesFirstInFewPlacesOnly) {
+  const Image image = poster(60.0);
+  std::vector<ImagePoint> movers;
+  for (int u = 100; u < kWidth_px; u += 160)
+    for (int v = 100; v < kHeight_px; v += 160)
+      movers.insert(movers.end(), 3, {static_cast<float>(u), static_cast<float>(v)});
+  CornerDetector detector({});
+  std::vector<Corner> corners;
+  detector.detect(image.view(), {}, 1.0F, corners, movers);
+  EXPECT_EQ(
+      std::count_if(corners.begin(), corners.end(), [](const Corner& c) { return c.rank < 0; }),
+      CornerDetector::kMostForMovers);
+}
+
 TEST(CornerDetectorTest, TriesBucketsThatStayEmptyInTurns) {
   const Image image = poster(60.0);
   CornerDetector detector({});

@@ -118,7 +118,7 @@ class RivalFinder {
   [[nodiscard]] bool lingers(const TrackSet& tracks, std::span<const MapPoint> map);
   [[nodiscard]] Solution among_unexplained(const TrackSet& tracks, const Eigen::Isometry3d& start);
   void refine(const TrackSet& tracks, const Solution& estimate, Solution& rival);
-  void add_the_far_half();
+  void gather_unexplained_and_far();
   [[nodiscard]] bool improve(const TrackSet& tracks, const Solution& estimate,
                              std::span<const Correspondence> with, double first_scale,
                              Solution& rival);
@@ -173,6 +173,7 @@ class RivalFinder {
   std::vector<double> by_rival_;
   std::vector<Correspondence> all_;  // of the last two pairs
   std::vector<Correspondence> unexplained_;
+  std::vector<Correspondence> unexplained_and_far_;
   std::vector<double> depths_m_;
 };
 

@@ -51,13 +51,15 @@ class CornerDetector {
   // partner.
   // Unless there are no tracks at all, a bucket that has not just lost some, so that kManyLost are
   // missing, waits for its turn, every kPatience-th call.
-  // `movers`: tracks that move on their own. What shows few of them comes first, since what is
-  // behind it has more and stronger corners to show, and a caller has few tracks to give.
+  // `movers`: tracks that move on their own. What shows few of them comes first, up to
+  // kMostForMovers corners, since what is behind it has more and stronger corners to show, and a
+  // caller has few tracks to give.
   void detect(const ImageView& image, std::span<const ImagePoint> occupied, float room_factor,
               std::vector<Corner>& corners, std::span<const ImagePoint> movers = {});
 
   static constexpr int kPatience = 2;
   static constexpr int kManyLost = 2;
+  static constexpr int kMostForMovers = 20;  // corners that come first
   static constexpr int kMaxDistance_px = 8;
 
  private:
@@ -65,8 +67,7 @@ class CornerDetector {
     int u0 = 0, v0 = 0, u1 = 0, v1 = 0;
     int wanted = 0;
     int wanted_before = 0;
-    int movers = 0;            // in it
-    bool is_attended = false;  // few of them are in it and around it
+    int movers_around = 0;  // in it and in its neighbours
   };
 
   void lay_out(const ImageView& image);

@@ -31,4 +31,9 @@ struct PixelPosition {
   bool operator==(const PixelPosition&) const = default;
 };
 
+[[nodiscard]] inline PixelPosition nearest_pixel(ImagePoint point) {
+  return {static_cast<std::int32_t>(std::lround(point.u_px)),
+          static_cast<std::int32_t>(std::lround(point.v_px))};
+}
+
 }  // namespace egomod
