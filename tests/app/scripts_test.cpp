@@ -81,6 +81,7 @@ TEST_F(Scripts, in_python_that_are_called_wrongly_exit_with_2) {
       {"measure-movers", "--shares", "0.9"},
       {"measure-movers", "--kinds", "jumps"},
       {"random-worlds", "--output", out_, "--count", "0"},
+      {"random-worlds", "--output", out_, "--first-seed", "-5"},
       {"random-worlds"}};
   for (const auto& command : commands) {
     const Outcome outcome = run(command);
@@ -95,28 +96,56 @@ TEST_F(Scripts, in_python_that_are_called_wrongly_exit_with_2) {
   }
 }
 
-TEST_F(Scripts, random_worlds_draws_anew_what_the_renderer_refuses_and_says_why_in_the_end) {
+class RandomWorlds : public Scripts {
+ protected:
+  Outcome draw(const std::string& first_seed, const std::string& count) {
+    return run({"random-worlds", "--output", out_, "--programs", programs_, "--count", count,
+                "--first-seed", first_seed});
+  }
+  [[nodiscard]] std::string world(int seed) const {
+    std::stringstream text;
+    text << std::ifstream(fs::path(out_) / ("random-" + std::to_string(seed) + ".toml")).rdbuf();
+    return text.str();
+  }
+};
+
+TEST_F(RandomWorlds, are_the_same_for_the_same_seed) {
+  stand_in("egomod-sim", "exit 0");
+  EXPECT_EQ(draw("7", "2").exit_code, 0);
+  const std::string first = world(7);
+  EXPECT_THAT(first, HasSubstr("seed = 7\n"));
+  EXPECT_THAT(first, HasSubstr("[rig]"));
+  EXPECT_NE(world(8), first);
+  fs::remove_all(out_);
+  EXPECT_EQ(draw("7", "1").exit_code, 0);
+  EXPECT_EQ(world(7), first);
+}
+
+TEST_F(RandomWorlds, are_drawn_anew_where_the_renderer_refuses_them) {
+  stand_in("egomod-sim", "exit 0");
+  EXPECT_EQ(draw("7", "1").exit_code, 0);
+  const std::string first = world(7);
+  const std::string tried = (root_ / "tried").string();
+  stand_in("egomod-sim", "[ -e " + tried + " ] || { touch " + tried + "; exit 1; }");
+  EXPECT_EQ(draw("7", "1").exit_code, 0);
+  EXPECT_NE(world(7), first);
+  EXPECT_THAT(world(7), HasSubstr("seed = 7\n"));
+}
+
+TEST_F(RandomWorlds, say_why_none_can_be_rendered_and_leave_none) {
+  EXPECT_EQ(run({"random-worlds", "--output", out_, "--programs", "/nonexistent"}).exit_code, 1);
   EXPECT_THAT(run({"random-worlds", "--output", out_, "--programs", "/nonexistent"}).output,
               HasSubstr("/nonexistent/egomod-sim: is no program"));
   stand_in("egomod-sim", "echo it runs into a wall >&2; exit 1");
-  const Outcome refused =
-      run({"random-worlds", "--output", out_, "--programs", programs_, "--count", "1"});
+  const Outcome refused = draw("1", "1");
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_THAT(refused.output, HasSubstr("no world of seed 1 can be rendered"));
   EXPECT_THAT(refused.output, HasSubstr("it runs into a wall"));
-  stand_in("egomod-sim", "exit 0");
-  const auto worlds = [&] {
-    const Outcome outcome = run({"random-worlds", "--output", out_, "--programs", programs_,
-                                 "--count", "2", "--first-seed", "7"});
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
-    std::stringstream text;
-    for (const char* name : {"random-7.toml", "random-8.toml"})
-      text << std::ifstream(fs::path(out_) / name).rdbuf();
-    return text.str();
-  };
-  const std::string once = worlds();
-  EXPECT_THAT(once, HasSubstr("[rig]"));
-  EXPECT_EQ(worlds(), once) << "the same seed is the same world";
+  EXPECT_FALSE(fs::exists(fs::path(out_) / "random-1.toml"));
+  stand_in("egomod-sim", "kill -SEGV $$");
+  const Outcome died = draw("1", "1");
+  EXPECT_EQ(died.exit_code, 1);
+  EXPECT_THAT(died.output, HasSubstr("egomod-sim: died of signal 11"));
 }
 
 TEST_F(Scripts, measure_honesty_prints_a_row_a_world_and_repeats_no_run) {

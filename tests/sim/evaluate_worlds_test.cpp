@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "run_program.hpp"
 #include "temporary_folder.hpp"
@@ -58,6 +59,35 @@ TEST(EvaluateWorlds, MakesOneTableAndNamesTheWorldThatIsLeftOut) {
   EXPECT_THAT(figures, HasSubstr("\"speed_radar\": {\"all\": {\"n\": "));
   EXPECT_THAT(figures, Not(HasSubstr("\"sigma_m_s\": null"))) << "the record's standard errors";
   EXPECT_FALSE(fs::exists(in("out/tiny/truth/image_0")));
+}
+
+// Nothing of the user's is lost in the output folder, whatever a world is called.
+TEST(EvaluateWorlds, RefusesNamesThatAreNoneOrTwiceAndRemovesNothing) {
+  const eval::TemporaryFolder folder;
+  const auto in = [&](const std::string& name) { return folder.path() + "/" + name; };
+  for (const char* name : {"out", "one", "two"}) fs::create_directories(in(name));
+  for (const char* name : {"out/precious", "out/bare", "one/tiny.toml", "two/tiny.toml"})
+    std::ofstream(in(name)) << kWorld;
+  const std::string programs = EGOMOD_PROGRAMS;
+  const auto evaluate = [&](const std::vector<std::string>& worlds) {
+    std::vector<std::string> command{
+        programs + "/evaluate-worlds", "--programs", programs, "--output", in("out"), "--worlds"};
+    command.insert(command.end(), worlds.begin(), worlds.end());
+    return run_program(command, in("printed"));
+  };
+  for (const char* name : {"", "/", ".", ".."}) {
+    const Outcome outcome = evaluate({name});
+    EXPECT_EQ(outcome.exit_code, 2) << name;
+    EXPECT_THAT(outcome.output, HasSubstr("names no world")) << name;
+  }
+  const Outcome twice = evaluate({in("one/tiny.toml"), in("two/tiny.toml")});
+  EXPECT_EQ(twice.exit_code, 1);
+  EXPECT_THAT(twice.output, HasSubstr("two worlds are called tiny"));
+  const Outcome in_its_way = evaluate({in("out/bare")});
+  EXPECT_EQ(in_its_way.exit_code, 1);
+  EXPECT_THAT(in_its_way.output, HasSubstr(in("out/bare") + ": cannot be made a folder"));
+  EXPECT_EQ(read(in("out/precious")), kWorld);
+  EXPECT_EQ(read(in("out/bare")), kWorld);
 }
 
 }  // namespace
