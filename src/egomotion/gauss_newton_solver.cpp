@@ -28,10 +28,10 @@ Solution GaussNewtonSolver::solve(const StereoCamera& camera,
 
 Solution GaussNewtonSolver::solve_near(const StereoCamera& camera,
                                        std::span<const Correspondence> correspondences,
-                                       const Eigen::Isometry3d& start, double first_scale) {
+                                       const Eigen::Isometry3d& start, double graduation) {
   gauss_newton_.prepare(camera, correspondences, start,
                         stride_to_come_near(correspondences.size()));
-  return finished(camera, correspondences, gauss_newton_.refine(start, first_scale));
+  return finished(camera, correspondences, gauss_newton_.refine(start, graduation));
 }
 
 Solution GaussNewtonSolver::finished(const StereoCamera& camera,

@@ -50,9 +50,9 @@ constexpr double kToldByOnePairM = 0.02;
 // all do, where a mover has its share of the image.
 constexpr double kFewToTell = 0.15;
 constexpr double kAllAround = 0.6;
-constexpr double kFirstScale = 8.0;  // of the kernel: their motion is some of its widths off
-constexpr double kLeastKept = 0.6;   // of its cells; less, and it has become the estimate
-constexpr double kLeverM = 3.0;      // of turns, where velocities are compared
+constexpr double kWideStart = 8.0;  // graduation: their motion is some widths of the kernel off
+constexpr double kLeastKept = 0.6;  // of its cells; less, and it has become the estimate
+constexpr double kLeverM = 3.0;     // of turns, where velocities are compared
 
 double score(const Support& support) {
   return std::log1p(support.cells) + std::log1p(support.known_static) - 0.5 * support.surprise;
@@ -157,7 +157,7 @@ bool RivalFinder::search(const TrackSet& tracks, const Solution& estimate,
   rival.solution =
       is_suspected_ ? confirmed(tracks, estimate, *prior.wheels) : among_unexplained(tracks, start);
   if (rival.solution.failure != EstimateReason::kNone) return false;
-  if (!found_ && !is_suspected_) refine(tracks, estimate, rival.solution);
+  if (!found_ && !is_suspected_) refine(tracks, roles, estimate, rival.solution);
   vote(tracks, estimate.T_previous_current, rival.solution.T_previous_current, map);
   Support for_estimate;
   Support for_rival;
@@ -219,18 +219,20 @@ Solution RivalFinder::among_unexplained(const TrackSet& tracks, const Eigen::Iso
 // What only the other motion explains may be few points, which tell it badly, but are all around as
 // the world is. What is far both may explain, and it tells the turn, while what is near and moves
 // has no say yet.
-void RivalFinder::refine(const TrackSet& tracks, const Solution& estimate, Solution& rival) {
+void RivalFinder::refine(const TrackSet& tracks, std::span<const TrackRole> roles,
+                         const Solution& estimate, Solution& rival) {
   const bool few =
       static_cast<double>(unexplained_.size()) < kFewToTell * static_cast<double>(all_.size());
   if (!few || area_px2(unexplained_) < kAllAround * area_px2(all_)) return;
-  gather_unexplained_and_far();
-  if (improve(tracks, estimate, unexplained_and_far_, kFirstScale, rival))
+  gather_unexplained_and_far(roles);
+  if (improve(tracks, estimate, unexplained_and_far_, kWideStart, rival))
     static_cast<void>(improve(tracks, estimate, all_, 1.0, rival));
 }
 
-// By the cells that the pair alone gives to each, unless it leads back to the estimate.
+// Takes the motion that `with` has next to the rival's, unless it leads back to the estimate: by
+// the cells that this pair alone gives to each of the two.
 bool RivalFinder::improve(const TrackSet& tracks, const Solution& estimate,
-                          std::span<const Correspondence> with, double first_scale,
+                          std::span<const Correspondence> with, double graduation,
                           Solution& rival) {
   const auto cells = [&](const Solution& other) {
     vote(tracks, estimate.T_previous_current, other.T_previous_current, {});
@@ -241,7 +243,7 @@ bool RivalFinder::improve(const TrackSet& tracks, const Solution& estimate,
   };
   const auto [estimates_before, before] = cells(rival);
   const Solution better =
-      solver_.solve_near(tracks.camera, with, rival.T_previous_current, first_scale);
+      solver_.solve_near(tracks.camera, with, rival.T_previous_current, graduation);
   if (better.failure != EstimateReason::kNone) return false;
   const auto [estimates, after] = cells(better);
   if (after < kLeastKept * before || after * estimates_before < before * estimates) return false;
@@ -249,14 +251,20 @@ bool RivalFinder::improve(const TrackSet& tracks, const Solution& estimate,
   return true;
 }
 
-void RivalFinder::gather_unexplained_and_far() {
+void RivalFinder::gather_unexplained_and_far(std::span<const TrackRole> roles) {
   depths_m_.clear();
   for (const Correspondence& c : all_) depths_m_.push_back(c.P_previous_m.z());
   const double middle_m = median(depths_m_, 0.0);
-  unexplained_and_far_ = unexplained_;
-  for (std::size_t k = 0; k < all_.size(); ++k)
-    if (all_[k].P_previous_m.z() > middle_m && by_estimate_[k] < kChi2Of3At99Percent)
+  unexplained_and_far_.clear();
+  for (std::size_t k = 0; k < all_.size(); ++k) {
+    const bool is_far = all_[k].P_previous_m.z() > middle_m;
+    if (is_unexplained(roles, k) || (is_far && by_estimate_[k] < kChi2Of3At99Percent))
       unexplained_and_far_.push_back(all_[k]);
+  }
+}
+
+bool RivalFinder::is_unexplained(std::span<const TrackRole> roles, std::size_t index) const {
+  return roles[all_[index].track] == TrackRole::kOutlier && by_estimate_[index] > kUnexplained2;
 }
 
 // Where the map knows little yet an estimate explains tracks of both motions: all are asked then.
@@ -313,8 +321,7 @@ void RivalFinder::gather(const TrackSet& tracks, std::span<const TrackRole> role
   whitened_.measure_distances2(estimate.T_previous_current.inverse(), by_estimate_);
   unexplained_.clear();
   for (std::size_t k = 0; k < all_.size(); ++k)
-    if (roles[all_[k].track] == TrackRole::kOutlier && by_estimate_[k] > kUnexplained2)
-      unexplained_.push_back(all_[k]);
+    if (is_unexplained(roles, k)) unexplained_.push_back(all_[k]);
 }
 
 double RivalFinder::surprise(const Solution& solution, const VelocityPrior& prior) const {

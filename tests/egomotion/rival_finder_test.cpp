@@ -6,6 +6,7 @@
 #include <functional>
 #include <random>
 
+#include "../moving_objects/counted_new.hpp"
 #include "egomod/egomotion/egomotion_estimator.hpp"
 #include "egomotion_fixture.hpp"
 #include "synthetic_tracks.hpp"
@@ -98,75 +99,143 @@ TEST_F(RivalFinderTest, DoubtEndsWithAReset) {
 
 // A near mover and a far wall agree on a motion, since a turn does for the wall what a step to the
 // side would do; only a few points of floor and ceiling, which are seen badly, tell the rig's.
-TEST(RivalFinderOfFewPoints, WhatBothExplainTellsTheRivalExactly) {
-  constexpr double kInterval_s = 1.0 / 30.0;
-  const Eigen::Isometry3d T_rig =
+class RivalFinderOfFewPoints : public testing::Test {
+ protected:
+  static constexpr double kInterval_s = 1.0 / 30.0;
+  static constexpr int kOfMover = 130;
+  static constexpr int kOfWall = 350;
+  static constexpr int kFew = 40;
+  static constexpr double kExact_m = 0.0015;
+
+  RivalFinderOfFewPoints() {
+    tracks_.camera = synthetic::kCamera;
+    tracks_.sequence = 7;
+    add(kOfMover, fine_, mover_step_m_,
+        [&] { return seen_at(270 + 100 * share(), 200 + 150 * share(), 3.2 + 0.3 * share()); });
+    add(kOfWall, fine_, Eigen::Vector3d::Zero(),
+        [&] { return seen_at(640 * share(), 60 + 200 * share(), 11.5 + share()); });
+  }
+
+  void show_floor_and_ceiling() {
+    add(kFew, coarse_, Eigen::Vector3d::Zero(), [&] {
+      const double v_px = 120 * share();
+      return seen_at(640 * share(), v_px < 60 ? v_px : 300 + v_px, 1.5 + 2.0 * share());
+    });
+  }
+  void show_one_place() {
+    add(kFew, coarse_, Eigen::Vector3d::Zero(),
+        [&] { return seen_at(40 + 160 * share(), 330 + 120 * share(), 1.5 + 2.0 * share()); });
+  }
+
+  // What most agree on, as an estimate that has been dragged along would have it.
+  [[nodiscard]] Solution dragged() const {
+    std::vector<Correspondence> agreeing;
+    for (std::size_t k = 0; k < kOfMover + kOfWall; ++k) {
+      Correspondence c;
+      EXPECT_TRUE(correspondence_of(tracks_.camera, uvd(tracks_.tracks[k].previous),
+                                    covariance(tracks_.tracks[k].previous), c));
+      c.track = k;
+      c.observed_px = uvd(tracks_.tracks[k].current);
+      c.covariance_observed_px2 = covariance(tracks_.tracks[k].current);
+      agreeing.push_back(c);
+    }
+    GaussNewtonSolver solver(config_.gauss_newton, config_.ransac);
+    const Eigen::Isometry3d T_dragged{Eigen::Translation3d(-mover_step_m_) * T_rig_};
+    return solver.solve_near(tracks_.camera, agreeing, T_dragged);
+  }
+
+  bool find(const WheelsMotion* wheels = nullptr) {
+    std::vector<TrackRole> roles = all_agree();
+    std::fill(roles.begin() + kOfMover + kOfWall, roles.end(), TrackRole::kOutlier);
+    return find_among(roles, wheels);
+  }
+  bool find_among(const std::vector<TrackRole>& roles, const WheelsMotion* wheels = nullptr) {
+    const Solution estimate = dragged();
+    EXPECT_GT(error_m(estimate), 0.01);
+    const VelocityState past{.y = velocity_of(estimate.T_previous_current, kInterval_s)};
+    const long before = allocations();
+    const bool found = finder_.find(tracks_, estimate, roles, {}, 1.0,
+                                    {.past = past, .dt_s = kInterval_s, .wheels = wheels}, rival_);
+    allocated_ = allocations() - before;
+    return found;
+  }
+  [[nodiscard]] std::vector<TrackRole> all_agree() const {
+    return std::vector<TrackRole>(tracks_.tracks.size(), TrackRole::kInlier);
+  }
+
+  [[nodiscard]] double error_m(const Solution& s) const {
+    return (s.T_previous_current.translation() - T_rig_.translation()).norm();
+  }
+
+  const Eigen::Isometry3d T_rig_ =
       motion_of((Vector6d() << 0, 0, 0.8, 0, -0.18, 0).finished(), kInterval_s);
-  const Eigen::Vector3d mover_step_m{0.012, 0.0, 0.008};
-  std::mt19937 random(3);
-  std::uniform_real_distribution<double> unit(0.0, 1.0);
-  TrackSet tracks;
-  tracks.camera = synthetic::kCamera;
-  tracks.sequence = 7;
-  const auto seen_at = [](double u_px, double v_px, double z_m) -> Eigen::Vector3d {
+  EgomotionConfig config_;
+  RivalFinder finder_{config_.rival, config_.gauss_newton, config_.ransac};
+  Rival rival_;
+  long allocated_ = 0;  // by the last pair
+
+ private:
+  double share() { return std::uniform_real_distribution<double>(0.0, 1.0)(random_); }
+
+  static Eigen::Vector3d seen_at(double u_px, double v_px, double z_m) {
     const StereoCamera& c = synthetic::kCamera;
     return {(u_px - c.cx_px) * z_m / c.fx_px, (v_px - c.cy_px) * z_m / c.fy_px, z_m};
-  };
-  const auto add = [&](int count, const synthetic::Noise& noise, const Eigen::Vector3d& step_m,
-                       const std::function<Eigen::Vector3d()>& place) {
+  }
+
+  void add(int count, const synthetic::Noise& noise, const Eigen::Vector3d& step_m,
+           const std::function<Eigen::Vector3d()>& place) {
     for (int k = 0; k < count; ++k) {
       const Eigen::Vector3d P_m = place();
       Track track;
-      track.id = tracks.tracks.size() + 1;
+      track.id = tracks_.tracks.size() + 1;
       track.has_current = track.has_previous = true;
-      track.previous = synthetic::observe(P_m, noise, random);
-      track.current = synthetic::observe(T_rig.inverse() * (P_m + step_m), noise, random);
-      tracks.tracks.push_back(track);
+      track.previous = synthetic::observe(P_m, noise, random_);
+      track.current = synthetic::observe(T_rig_.inverse() * (P_m + step_m), noise, random_);
+      tracks_.tracks.push_back(track);
     }
-  };
-  constexpr int kOfMover = 130;
-  constexpr int kOfWall = 350;
-  const synthetic::Noise fine{.u_px = 0.05, .v_px = 0.05, .disparity_px = 0.1};
-  const synthetic::Noise coarse{.u_px = 0.4, .v_px = 0.4, .disparity_px = 0.6};
-  add(kOfMover, fine, mover_step_m, [&] {
-    return seen_at(270 + 100 * unit(random), 200 + 150 * unit(random), 3.2 + 0.3 * unit(random));
-  });
-  add(kOfWall, fine, Eigen::Vector3d::Zero(),
-      [&] { return seen_at(640 * unit(random), 60 + 200 * unit(random), 11.5 + unit(random)); });
-  add(40, coarse, Eigen::Vector3d::Zero(), [&] {
-    const double v_px = 120 * unit(random);
-    return seen_at(640 * unit(random), v_px < 60 ? v_px : 300 + v_px, 1.5 + 2.0 * unit(random));
-  });
-
-  // What most agree on, as an estimate that has been dragged along would have it.
-  const EgomotionConfig config;
-  std::vector<Correspondence> agreeing;
-  for (std::size_t k = 0; k < kOfMover + kOfWall; ++k) {
-    Correspondence c;
-    ASSERT_TRUE(correspondence_of(tracks.camera, uvd(tracks.tracks[k].previous),
-                                  covariance(tracks.tracks[k].previous), c));
-    c.track = k;
-    c.observed_px = uvd(tracks.tracks[k].current);
-    c.covariance_observed_px2 = covariance(tracks.tracks[k].current);
-    agreeing.push_back(c);
   }
-  GaussNewtonSolver solver(config.gauss_newton, config.ransac);
-  const Eigen::Isometry3d T_dragged{Eigen::Translation3d(-mover_step_m) * T_rig};
-  const Solution estimate = solver.solve_near(tracks.camera, agreeing, T_dragged);
-  ASSERT_EQ(estimate.failure, EstimateReason::kNone);
-  const auto error_m = [&](const Solution& s) {
-    return (s.T_previous_current.translation() - T_rig.translation()).norm();
-  };
-  ASSERT_GT(error_m(estimate), 0.01);
 
-  std::vector<TrackRole> roles(tracks.tracks.size(), TrackRole::kInlier);
-  std::fill(roles.begin() + kOfMover + kOfWall, roles.end(), TrackRole::kOutlier);
-  RivalFinder finder(config.rival, config.gauss_newton, config.ransac);
-  Rival rival;
-  const VelocityState past{.y = velocity_of(estimate.T_previous_current, kInterval_s)};
-  static_cast<void>(
-      finder.find(tracks, estimate, roles, {}, 1.0, {.past = past, .dt_s = kInterval_s}, rival));
-  EXPECT_LT(error_m(rival.solution), 0.0015);
+  const Eigen::Vector3d mover_step_m_{0.012, 0.0, 0.008};
+  const synthetic::Noise fine_{.u_px = 0.05, .v_px = 0.05, .disparity_px = 0.1};
+  const synthetic::Noise coarse_{.u_px = 0.4, .v_px = 0.4, .disparity_px = 0.6};
+  std::mt19937 random_{3};
+  TrackSet tracks_;
+};
+
+// By themselves the few points tell it to 3 mm.
+TEST_F(RivalFinderOfFewPoints, WhatBothExplainTellsTheRivalExactly) {
+  show_floor_and_ceiling();
+  EXPECT_TRUE(find());
+  EXPECT_LT(error_m(rival_.solution), kExact_m);
+}
+
+TEST_F(RivalFinderOfFewPoints, TheirComingAllocatesNothing) {
+  show_floor_and_ceiling();
+  ASSERT_FALSE(find_among(all_agree()));
+  EXPECT_TRUE(find());
+  EXPECT_LT(error_m(rival_.solution), kExact_m);
+  EXPECT_EQ(allocated_, 0);
+}
+
+// They may be a mover's, and what is far would drag its motion to the rig's.
+TEST_F(RivalFinderOfFewPoints, FewPointsInOnePlaceAreLeftAsTheyAre) {
+  show_one_place();
+  static_cast<void>(find());
+  EXPECT_GT(error_m(rival_.solution), 10.0 * kExact_m);
+}
+
+TEST_F(RivalFinderOfFewPoints, ARivalThatIsKnownIsNotRefinedAgain) {
+  show_floor_and_ceiling();
+  ASSERT_TRUE(find());
+  EXPECT_TRUE(find());
+  EXPECT_GT(error_m(rival_.solution), kExact_m);
+}
+
+TEST_F(RivalFinderOfFewPoints, AMotionThatTheWheelsConfirmIsLeftAsItIs) {
+  show_floor_and_ceiling();
+  const WheelsMotion wheels{T_rig_, 1e-6 * Matrix6d::Identity()};
+  EXPECT_TRUE(find(&wheels));
+  EXPECT_GT(error_m(rival_.solution), kExact_m);
 }
 
 }  // namespace

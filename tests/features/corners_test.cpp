@@ -163,24 +163,27 @@ TEST(CornerDetectorTest, WhatShowsFewMovingTracksComesFirst) {
     }
     return first;
   };
-  EXPECT_GE(first_with(3), 4);
   EXPECT_EQ(first_with(0), 0);
   EXPECT_EQ(first_with(1), 0) << "one may be a mistake";
-  EXPECT_EQ(first_with(20), 0) << "so many are enough";
+  EXPECT_GE(first_with(2), 4);
+  EXPECT_GE(first_with(6), 4);
+  EXPECT_EQ(first_with(7), 0) << "so many are enough";
 }
 
 TEST(CornerDetectorTest, WhatMovesAllOverTheImageComesFirstInFewPlacesOnly) {
   const Image image = poster(60.0);
   std::vector<ImagePoint> movers;
-  for (int u = 100; u < kWidth_px; u += 160)
-    for (int v = 100; v < kHeight_px; v += 160)
+  for (int u = 60; u < kWidth_px; u += 120)
+    for (int v = 60; v < kHeight_px; v += 120)
       movers.insert(movers.end(), 3, {static_cast<float>(u), static_cast<float>(v)});
   CornerDetector detector({});
   std::vector<Corner> corners;
-  detector.detect(image.view(), {}, 1.0F, corners, movers);
-  EXPECT_EQ(
-      std::count_if(corners.begin(), corners.end(), [](const Corner& c) { return c.rank < 0; }),
-      CornerDetector::kMostForMovers);
+  for (int call = 0; call < 2; ++call) {
+    detector.detect(image.view(), {}, 1.0F, corners, movers);
+    const auto others =
+        std::find_if(corners.begin(), corners.end(), [](const Corner& c) { return c.rank >= 0; });
+    EXPECT_EQ(others - corners.begin(), CornerDetector::kMostForMovers);
+  }
 }
 
 TEST(CornerDetectorTest, TriesBucketsThatStayEmptyInTurns) {

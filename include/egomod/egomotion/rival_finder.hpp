@@ -117,10 +117,13 @@ class RivalFinder {
   [[nodiscard]] bool shows_in_one_pair(const Solution& estimate, double dt_s) const;
   [[nodiscard]] bool lingers(const TrackSet& tracks, std::span<const MapPoint> map);
   [[nodiscard]] Solution among_unexplained(const TrackSet& tracks, const Eigen::Isometry3d& start);
-  void refine(const TrackSet& tracks, const Solution& estimate, Solution& rival);
-  void gather_unexplained_and_far();
+  void refine(const TrackSet& tracks, std::span<const TrackRole> roles, const Solution& estimate,
+              Solution& rival);
+  // An element of `all_`.
+  [[nodiscard]] bool is_unexplained(std::span<const TrackRole> roles, std::size_t index) const;
+  void gather_unexplained_and_far(std::span<const TrackRole> roles);
   [[nodiscard]] bool improve(const TrackSet& tracks, const Solution& estimate,
-                             std::span<const Correspondence> with, double first_scale,
+                             std::span<const Correspondence> with, double graduation,
                              Solution& rival);
   [[nodiscard]] Solution confirmed(const TrackSet& tracks, const Solution& estimate,
                                    const WheelsMotion& wheels);

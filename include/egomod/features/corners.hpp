@@ -21,7 +21,7 @@ enum class CornerKind : std::uint8_t {
 struct Corner {
   PixelPosition position;
   CornerKind kind = CornerKind::kDark;
-  int rank = 0;              // 0: the best new corner of its bucket, -1: where something moves
+  int rank = 0;              // 0: the best new corner of its bucket; -1: where few tracks move
   float min_eigenvalue = 0;  // mean structure tensor of 7x7 gradients (grey/px)^2, noise removed
 };
 
@@ -46,14 +46,14 @@ class CornerDetector {
   explicit CornerDetector(const CornerConfig& config);
 
   // Refills `corners` with new ones for the buckets that `occupied` (existing tracks) leaves room
-  // in. Order: by rank, then by falling min_eigenvalue, so that a caller who stops anywhere has an
-  // even coverage. `room_factor` times as many as there is room for, since some will not find a
-  // partner.
+  // in. Order: by rank, then by falling min_eigenvalue, so that a caller who stops anywhere but
+  // among those of rank -1 has an even coverage. `room_factor` times as many as there is room for,
+  // since some will not find a partner.
   // Unless there are no tracks at all, a bucket that has not just lost some, so that kManyLost are
   // missing, waits for its turn, every kPatience-th call.
   // `movers`: tracks that move on their own. What shows few of them comes first, up to
-  // kMostForMovers corners, since what is behind it has more and stronger corners to show, and a
-  // caller has few tracks to give.
+  // kMostForMovers corners, in the upper buckets until these are full, since what is behind it has
+  // more and stronger corners to show, and a caller has few tracks to give.
   void detect(const ImageView& image, std::span<const ImagePoint> occupied, float room_factor,
               std::vector<Corner>& corners, std::span<const ImagePoint> movers = {});
 
