@@ -18,7 +18,8 @@ constexpr double kReclaimDistance_m = 0.5;  // an object without tracks is found
 constexpr double kReclaimDrift_mps = 0.3;   // growing with the time that it was unseen,
 constexpr double kReclaimSpeed_mps = 0.3;   // at a velocity this similar
 constexpr double kReclaimSpeedShare = 0.1;
-constexpr double kGoOnChi2 = 25.0;   // of a point's velocity against that of the others
+constexpr double kGoOnChi2 = 25.0;  // of a point's velocity against the object's
+constexpr std::size_t kFewPoints = 2;
 constexpr double kLeapPurity = 0.8;  // of what opens an object over a long interval
 constexpr std::size_t kLimbRatio = 2;
 constexpr double kLimbWidth_m = 0.3;
@@ -200,6 +201,7 @@ void ObjectTable::associate(const StereoCamera& camera, std::span<const PointSam
   for (Tracked& tracked : objects_) {
     if (!tracked.evident && tracked.confirmed && !tracked.swings)
       go_on_by_tracks(points, finder, tracked);
+    if (!tracked.evident && tracked.confirmed) go_on_as_expected(points, finder, tracked);
   }
   for (const MotionGroup& group : groups) {
     if (!counts(group) || group.echoes || group.slips) continue;
@@ -259,6 +261,28 @@ void ObjectTable::go_on_by_tracks(std::span<const PointSample> points, const Mot
   group.velocity_covariance_m2ps2 = mean.covariance_m2ps2;
   group.evidence = joint_evidence(points, members_, rho);
   take_group(group, tracked);
+}
+
+// Of somebody far away, or behind something, few points are seen. Where each of them surely moves,
+// and as the object was due to, it is seen; unless as many rest.
+void ObjectTable::go_on_as_expected(std::span<const PointSample> points, const MotionGroups& finder,
+                                    Tracked& tracked) {
+  std::size_t resting = 0;
+  members_.clear();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const PointSample& point = points[i];
+    if (owners_[point.track] != tracked.object.id || point.left_only) continue;
+    resting += point.stands ? 1 : 0;
+    const bool surely_moves = point.moves && point.chi2 > kMovingAloneChi2;
+    if (surely_moves && velocity_chi2(point, tracked.object.velocity_mps) < kGoOnChi2)
+      members_.push_back(static_cast<Grouper::Index>(i));
+  }
+  if (members_.size() < kFewPoints || members_.size() <= resting) return;
+  tracked.evident = tracked.by_few = true;
+  tracked.group = members_.size();
+  tracked.body = finder.body_of(points, members_);
+  tracked.evidence =
+      add_evidence(tracked.evidence, joint_evidence(points, members_, config_.error_correlation));
 }
 
 // Whose velocity was known a moment ago does not leap: an arm or a leg does.

@@ -158,6 +158,7 @@ void ObjectTable::move_on(const StereoCamera& camera, Nanoseconds exposure,
     object.points = 0;
     tracked.evident = false;
     tracked.by_limbs = false;
+    tracked.by_few = false;
   }
 }
 
@@ -254,6 +255,7 @@ bool ObjectTable::is_proven(const Tracked& tracked) const {
 }
 
 bool ObjectTable::is_proper(std::span<const PointSample> points, const Tracked& tracked) const {
+  if (tracked.by_few) return !members_.empty();
   const std::size_t least = tracked.confirmed || tracked.swings
                                 ? kLeastPoints
                                 : static_cast<std::size_t>(config_.min_points);
@@ -285,7 +287,7 @@ void ObjectTable::collect(std::span<const PointSample> points, const Tracked& tr
     if (owner != tracked.object.id) continue;
     if (!tracked.evident || belongs(points[i], tracked)) {
       members_.push_back(static_cast<Grouper::Index>(i));
-    } else {
+    } else if (!tracked.by_few) {
       owner = 0;
     }
   }
@@ -335,10 +337,11 @@ void ObjectTable::measure_place(const StereoCamera& camera, std::span<const Poin
   // nearer to the centre of the visible surface than their mean.
   const double z_m = seen.empty() ? object.position_m.z() : mean_position(points, seen).z();
   const Members outline = without_stray(camera, points, outline_of(points, seen, tracked), z_m);
-  // Points come and go, most of all on somebody who walks: the outline does not as fast.
+  // Points come and go, most of all on somebody who walks: the outline does not as fast, and few
+  // points do not tell it.
   const PixelRect now = rectangle_of(points, outline);
   const double passed_s = std::max(0.0, to_seconds(now_ - tracked.outlined));
-  const double kept = std::exp(-passed_s / kOutline_s);
+  const double kept = tracked.by_few ? 1.0 : std::exp(-passed_s / kOutline_s);
   object.rectangle = tracked.confirmed ? shrunk(object.rectangle, now, kept) : now;
   tracked.outlined = now_;
   tracked.own_rectangle = rectangle_of(points, members_);

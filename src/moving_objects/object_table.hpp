@@ -86,6 +86,7 @@ class ObjectTable {
     bool confirmed = false;
     bool swings = false;    // it was known by its limbs first
     bool by_limbs = false;  // and in this pair by them only
+    bool by_few = false;    // of its points in this pair, at the velocity that it was due to have
     // Of its groups in this pair: one wrong member stretches the object, not a group.
     std::size_t group = 0;  // points
     std::size_t body = 0;
@@ -119,6 +120,8 @@ class ObjectTable {
             Tracked& tracked);
   void go_on_by_tracks(std::span<const PointSample> points, const MotionGroups& finder,
                        Tracked& tracked);
+  void go_on_as_expected(std::span<const PointSample> points, const MotionGroups& finder,
+                         Tracked& tracked);
   [[nodiscard]] double least_purity() const;
   [[nodiscard]] Tracked* create(const StereoCamera& camera, std::span<const PointSample> points,
                                 const MotionGroup& group, const MotionGroups& finder);

@@ -446,5 +446,64 @@ TEST_F(Filter, VelocityThatGrowsFarAwayIsNotFarBehind) {
   EXPECT_NEAR(error_mps, 0.0, 0.02);
 }
 
+// Most of somebody who is known goes behind something; what is left is few of its points.
+class FilterOnFew : public Filter {
+ protected:
+  FilterOnFew() {
+    rest_rig();
+    world.add_background(kOthers);
+    world.add_box(30, {-1.0, 0.2, 4.0}, {0.5, 0.6, 0.2}, velocity_mps_);
+    for (; pair_ < 40; ++pair_) run(pair_);
+    width_px_ = width_px();
+  }
+  void see(std::size_t points) {
+    TrackSet tracks = world.tracks(pair_);
+    std::erase_if(tracks.tracks, [&](const Track& track) { return track.id > kOthers + points; });
+    detector.detect(tracks, world.motion(tracks, pair_), objects);
+    ++pair_;
+  }
+  [[nodiscard]] float width_px() const {
+    if (objects.objects.empty()) return 0.0F;
+    const PixelRect& r = objects.objects.front().rectangle;
+    return r.u_max_px - r.u_min_px;
+  }
+
+  static constexpr int kOthers = 300;
+  const Eigen::Vector3d velocity_mps_{0.5, 0.0, 0.0};
+  int pair_ = 0;
+  float width_px_ = 0.0F;
+};
+
+TEST_F(FilterOnFew, TwoPointsThatMoveAsItWasDueToShowThatItGoesOn) {
+  ASSERT_EQ(moving(), 1);
+  for (int k = 0; k < 30; ++k) {
+    see(2);
+    ASSERT_EQ(moving(), 1) << k;
+    EXPECT_EQ(objects.objects.front().points, 2);
+    EXPECT_NEAR(width_px(), width_px_, 1.0F) << "few points do not tell its outline";
+    EXPECT_LT((objects.objects.front().velocity_mps - velocity_mps_).norm(), 0.15);
+  }
+}
+
+TEST_F(FilterOnFew, OnePointMayBeAMistake) {
+  ASSERT_EQ(moving(), 1);
+  see(1);
+  EXPECT_EQ(count(ObjectState::kCoasting), 1);
+}
+
+TEST_F(FilterOnFew, TwoPointsThatMoveOtherwiseDoNot) {
+  ASSERT_EQ(moving(), 1);
+  turn(pair_ - 1, kOthers, {-0.8, 0.0, 0.0});
+  for (int k = 0; k < 6; ++k) see(2);
+  EXPECT_EQ(count(ObjectState::kCoasting), 1);
+}
+
+TEST_F(FilterOnFew, TwoPointsBesideAsManyThatRestDoNot) {
+  ASSERT_EQ(moving(), 1);
+  turn(pair_ - 1, kOthers + 2, Eigen::Vector3d::Zero());
+  for (int k = 0; k < 12; ++k) see(5);
+  EXPECT_EQ(moving(), 0);
+}
+
 }  // namespace
 }  // namespace egomod
