@@ -28,10 +28,10 @@ Solution GaussNewtonSolver::solve(const StereoCamera& camera,
 
 Solution GaussNewtonSolver::solve_near(const StereoCamera& camera,
                                        std::span<const Correspondence> correspondences,
-                                       const Eigen::Isometry3d& start, double graduation) {
+                                       const Eigen::Isometry3d& start) {
   gauss_newton_.prepare(camera, correspondences, start,
                         stride_to_come_near(correspondences.size()));
-  return finished(camera, correspondences, gauss_newton_.refine(start, graduation));
+  return finished(camera, correspondences, gauss_newton_.refine(start, 1.0));
 }
 
 Solution GaussNewtonSolver::finished(const StereoCamera& camera,

@@ -50,7 +50,6 @@ constexpr double kToldByOnePairM = 0.02;
 // all do, where a mover has its share of the image.
 constexpr double kFewToTell = 0.15;
 constexpr double kAllAround = 0.6;
-constexpr double kWideStart = 8.0;  // graduation: their motion is some widths of the kernel off
 constexpr double kLeastKept = 0.6;  // of its cells; less, and it has become the estimate
 constexpr double kLeverM = 3.0;     // of turns, where velocities are compared
 
@@ -225,15 +224,14 @@ void RivalFinder::refine(const TrackSet& tracks, std::span<const TrackRole> role
       static_cast<double>(unexplained_.size()) < kFewToTell * static_cast<double>(all_.size());
   if (!few || area_px2(unexplained_) < kAllAround * area_px2(all_)) return;
   gather_unexplained_and_far(roles);
-  if (improve(tracks, estimate, unexplained_and_far_, kWideStart, rival))
-    static_cast<void>(improve(tracks, estimate, all_, 1.0, rival));
+  if (improve(tracks, estimate, unexplained_and_far_, rival))
+    static_cast<void>(improve(tracks, estimate, all_, rival));
 }
 
 // Takes the motion that `with` has next to the rival's, unless it leads back to the estimate: by
 // the cells that this pair alone gives to each of the two.
 bool RivalFinder::improve(const TrackSet& tracks, const Solution& estimate,
-                          std::span<const Correspondence> with, double graduation,
-                          Solution& rival) {
+                          std::span<const Correspondence> with, Solution& rival) {
   const auto cells = [&](const Solution& other) {
     vote(tracks, estimate.T_previous_current, other.T_previous_current, {});
     Support for_estimate;
@@ -242,8 +240,7 @@ bool RivalFinder::improve(const TrackSet& tracks, const Solution& estimate,
     return std::pair{for_estimate.cells, for_rival.cells};
   };
   const auto [estimates_before, before] = cells(rival);
-  const Solution better =
-      solver_.solve_near(tracks.camera, with, rival.T_previous_current, graduation);
+  const Solution better = solver_.solve_near(tracks.camera, with, rival.T_previous_current);
   if (better.failure != EstimateReason::kNone) return false;
   const auto [estimates, after] = cells(better);
   if (after < kLeastKept * before || after * estimates_before < before * estimates) return false;

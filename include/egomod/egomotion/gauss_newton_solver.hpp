@@ -28,10 +28,9 @@ class GaussNewtonSolver {
                                const Eigen::Isometry3d& expected, std::uint64_t sequence);
 
   // The motion next to `start` that some of the weight agrees on, however much another one does.
-  // `graduation`: the kernel starts this many times as wide as it ends, where `start` may be off.
   [[nodiscard]] Solution solve_near(const StereoCamera& camera,
                                     std::span<const Correspondence> correspondences,
-                                    const Eigen::Isometry3d& start, double graduation = 1.0);
+                                    const Eigen::Isometry3d& start);
 
   // By how much the covariance of the last solution would be larger if neighbours erred together.
   [[nodiscard]] std::optional<double> common_error() { return gauss_newton_.common_error(last_); }

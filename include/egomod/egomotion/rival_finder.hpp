@@ -123,8 +123,7 @@ class RivalFinder {
   [[nodiscard]] bool is_unexplained(std::span<const TrackRole> roles, std::size_t index) const;
   void gather_unexplained_and_far(std::span<const TrackRole> roles);
   [[nodiscard]] bool improve(const TrackSet& tracks, const Solution& estimate,
-                             std::span<const Correspondence> with, double graduation,
-                             Solution& rival);
+                             std::span<const Correspondence> with, Solution& rival);
   [[nodiscard]] Solution confirmed(const TrackSet& tracks, const Solution& estimate,
                                    const WheelsMotion& wheels);
   void reserve(std::size_t points);
