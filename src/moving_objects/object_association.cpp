@@ -18,8 +18,7 @@ constexpr double kReclaimDistance_m = 0.5;  // an object without tracks is found
 constexpr double kReclaimDrift_mps = 0.3;   // growing with the time that it was unseen,
 constexpr double kReclaimSpeed_mps = 0.3;   // at a velocity this similar
 constexpr double kReclaimSpeedShare = 0.1;
-constexpr double kGoOnChi2 = 25.0;  // of a point's velocity against the object's
-constexpr std::size_t kFewPoints = 2;
+constexpr double kGoOnChi2 = 25.0;   // of a point's velocity against the object's
 constexpr double kLeapPurity = 0.8;  // of what opens an object over a long interval
 constexpr std::size_t kLimbRatio = 2;
 constexpr double kLimbWidth_m = 0.3;
@@ -274,7 +273,8 @@ void ObjectTable::go_on_as_expected(std::span<const PointSample> points, const M
     if (owners_[point.track] != tracked.object.id || point.left_only) continue;
     resting += point.stands ? 1 : 0;
     const bool surely_moves = point.moves && point.chi2 > kMovingAloneChi2;
-    if (surely_moves && velocity_chi2(point, tracked.object.velocity_mps) < kGoOnChi2)
+    if (surely_moves && is_at(point, tracked.box) &&
+        velocity_chi2(point, tracked.object.velocity_mps) < kGoOnChi2)
       members_.push_back(static_cast<Grouper::Index>(i));
   }
   if (members_.size() < kFewPoints || members_.size() <= resting) return;

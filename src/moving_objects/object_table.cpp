@@ -255,7 +255,7 @@ bool ObjectTable::is_proven(const Tracked& tracked) const {
 }
 
 bool ObjectTable::is_proper(std::span<const PointSample> points, const Tracked& tracked) const {
-  if (tracked.by_few) return !members_.empty();
+  if (tracked.by_few) return members_.size() >= kFewPoints;
   const std::size_t least = tracked.confirmed || tracked.swings
                                 ? kLeastPoints
                                 : static_cast<std::size_t>(config_.min_points);

@@ -96,6 +96,7 @@ class ObjectTable {
   };
 
   static constexpr double kKeepPurityShare = 0.5;  // of the purity that opens an object
+  static constexpr std::size_t kFewPoints = 2;     // that carry one on
 
   // It is surely none that repeated texture feigns.
   [[nodiscard]] bool is_known(const Tracked& tracked) const;
